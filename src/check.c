@@ -1,0 +1,177 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Validation, once, above the backends: what passes here they can work on. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "context.h"
+#include "image.h"
+
+enum { MAX_SIDE = 1 << 20, MAX_SUBSTEPS = 64, MAX_THREADS = 256 };
+
+static bool all_zero(const uint64_t *reserved, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (reserved[i]) return false;
+    return true;
+}
+#define RESERVED_ZERO(p) all_zero((p)->reserved, sizeof(p)->reserved / sizeof *(p)->reserved)
+
+ddof_status check_config(const ddof_config *c, const char **wrong) {
+    *wrong = NULL;
+    if (c->backend < DDOF_BACKEND_AUTO || c->backend > DDOF_BACKEND_REFERENCE)
+        *wrong = "config.backend is none of ddof_backend";
+    else if (c->threads < 0 || c->threads > MAX_THREADS)
+        *wrong = "config.threads must be 0 (all) or 1 to 256";
+    else if (!c->allocate != !c->release)
+        *wrong = "config.allocate and config.release must both be given, or neither";
+    else if (c->parallel_for && c->threads < 1)
+        *wrong = "config.threads must be given with config.parallel_for: it bounds the worker number";
+    else if (!RESERVED_ZERO(c))
+        *wrong = "config.reserved must be 0";
+    return *wrong ? DDOF_ERROR_INVALID : DDOF_OK;
+}
+
+/* The bytes a plane spans, as addresses [first, last). */
+static void plane_extent(const ddof_image *image, int channel, uintptr_t *first, uintptr_t *last) {
+    const ddof_plane *p = &image->plane[channel];
+    intptr_t x = p->pixel_stride * (intptr_t)(image->width - 1), y = p->row_stride * (intptr_t)(image->height - 1);
+    uintptr_t base = (uintptr_t)p->data;
+    *first = base + (uintptr_t)((x < 0 ? x : 0) + (y < 0 ? y : 0));
+    *last = base + (uintptr_t)((x > 0 ? x : 0) + (y > 0 ? y : 0)) + (p->type == DDOF_HALF ? 2 : 4);
+}
+
+static ddof_status check_plane(ddof_context *ctx, const ddof_image *image, int c, const char *name) {
+    const ddof_plane *p = &image->plane[c];
+    if (p->type != DDOF_FLOAT && p->type != DDOF_HALF)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.plane[%d].type is none of ddof_type", name, c);
+    const ptrdiff_t size = p->type == DDOF_HALF ? 2 : 4;
+    if (!p->data) return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.plane[%d].data is NULL", name, c);
+    if ((uintptr_t)p->data % (uintptr_t)size || p->pixel_stride % size || p->row_stride % size)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.plane[%d]: data and strides must be multiples of %d bytes",
+                            name, c, (int)size);
+    const ptrdiff_t most = (ptrdiff_t)1 << 40;
+    if (p->pixel_stride > most || p->pixel_stride < -most || p->row_stride > most || p->row_stride < -most)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.plane[%d]: a stride is beyond 2^40 bytes", name, c);
+    return DDOF_OK;
+}
+
+static ddof_status check_image(ddof_context *ctx, const ddof_image *image, int channels, const char *name) {
+    if (image->channels < 1 || image->channels > 4)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s has %d channels: give 1 to 4", name, image->channels);
+    if (channels && image->channels != channels)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s has %d channels, it must have %d", name, image->channels,
+                            channels);
+    if (image->width < 1 || image->height < 1 || image->width > MAX_SIDE || image->height > MAX_SIDE)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s is %d x %d pixels: each side must be 1 to %d", name,
+                            image->width, image->height, MAX_SIDE);
+    for (int c = 0; c < image->channels; c++) {
+        ddof_status status = check_plane(ctx, image, c, name);
+        if (status != DDOF_OK) return status;
+    }
+    return DDOF_OK;
+}
+
+static ddof_status check_size(ddof_context *ctx, const ddof_image *image, const ddof_image *other, const char *name,
+                              const char *other_name) {
+    if (image->width == other->width && image->height == other->height) return DDOF_OK;
+    return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s is %d x %d but frame.%s is %d x %d: sizes must agree", name,
+                        image->width, image->height, other_name, other->width, other->height);
+}
+
+static bool overlap(const ddof_image *a, int ca, const ddof_image *b, int cb) {
+    uintptr_t a0, a1, b0, b1;
+    plane_extent(a, ca, &a0, &a1);
+    plane_extent(b, cb, &b0, &b1);
+    return a0 < b1 && b0 < a1;
+}
+
+static bool same_planes(const ddof_image *a, const ddof_image *b) {
+    for (int c = 0; c < a->channels; c++) {
+        const ddof_plane *p = &a->plane[c], *q = &b->plane[c];
+        if (p->data != q->data || p->type != q->type) return false;
+        if (a->width > 1 && p->pixel_stride != q->pixel_stride) return false;
+        if (a->height > 1 && p->row_stride != q->row_stride) return false;
+    }
+    return a->channels == b->channels;
+}
+
+static ddof_status check_overlap(ddof_context *ctx, const ddof_image *output, const ddof_image *input, const char *name) {
+    ddof_image out = *output, in = *input;
+    image_resolve(&out);
+    image_resolve(&in);
+    if (same_planes(&out, &in)) return DDOF_OK;
+    for (int i = 0; i < out.channels; i++)
+        for (int j = 0; j < in.channels; j++)
+            if (overlap(&out, i, &in, j))
+                return context_fail(ctx, DDOF_ERROR_INVALID,
+                                    "frame.output overlaps frame.%s in memory without being the same planes", name);
+    return DDOF_OK;
+}
+
+static ddof_status check_geometry(ddof_context *ctx, const ddof_frame *f) {
+    if (f->next || !RESERVED_ZERO(f))
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.next must be NULL and frame.reserved 0");
+    if (f->picture_width < 0 || f->picture_height < 0 || !f->picture_width != !f->picture_height)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.picture_width and picture_height must both be above 0, or 0");
+    if (!f->picture_width && (f->offset_x || f->offset_y))
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.offset_x, offset_y need frame.picture_width, picture_height");
+    const int most = MAX_SIDE * 16;
+    if (abs(f->offset_x) > most || abs(f->offset_y) > most || f->picture_width > most || f->picture_height > most)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.offset or frame.picture size is beyond 2^24 pixels");
+    if (f->pixel_aspect != 0 && !(f->pixel_aspect >= 1e-3 && f->pixel_aspect <= 1e3))
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.pixel_aspect must be 0 (square) or 0.001 to 1000");
+    return DDOF_OK;
+}
+
+/* Depth or CoC, and what must not lie on top of what. */
+static ddof_status check_map(ddof_context *ctx, const ddof_frame *f, bool work) {
+    const bool depth = f->depth.channels != 0;
+    const char *name = depth ? "depth" : "coc";
+    const ddof_image *map = depth ? &f->depth : &f->coc;
+    if (depth == (f->coc.channels != 0))
+        return context_fail(ctx, DDOF_ERROR_INVALID, "exactly one of frame.depth and frame.coc must be given");
+    ddof_status status = check_image(ctx, map, 1, name);
+    if (status != DDOF_OK) return status;
+    status = check_size(ctx, map, work ? &f->color : &f->output, name, work ? "color" : "output");
+    if (status != DDOF_OK) return status;
+    if (!work) return check_overlap(ctx, &f->output, map, name);
+    ddof_image out = f->output, in = *map;
+    image_resolve(&out);
+    image_resolve(&in);
+    for (int c = 0; c < out.channels; c++)
+        if (overlap(&out, c, &in, 0))
+            return context_fail(ctx, DDOF_ERROR_INVALID, "frame.output overlaps frame.%s in memory", name);
+    return DDOF_OK;
+}
+
+ddof_status check_frame(ddof_context *ctx, const ddof_frame *f, bool work) {
+    ddof_status status;
+    if (!f) return context_fail(ctx, DDOF_ERROR_INVALID, "frame is NULL");
+    if ((status = check_geometry(ctx, f)) != DDOF_OK) return status;
+    if (work && (status = check_image(ctx, &f->color, 0, "color")) != DDOF_OK) return status;
+    if ((status = check_image(ctx, &f->output, work ? f->color.channels : 1, "output")) != DDOF_OK) return status;
+    if (!work) return check_map(ctx, f, work);
+    if (f->color.alpha != DDOF_ALPHA_PREMULTIPLIED && f->color.alpha != DDOF_ALPHA_STRAIGHT)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.color.alpha is none of ddof_alpha");
+    if (f->color.alpha == DDOF_ALPHA_STRAIGHT && f->color.channels % 2)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.color: straight alpha needs 2 or 4 channels, not %d",
+                            f->color.channels);
+    if ((status = check_size(ctx, &f->output, &f->color, "output", "color")) != DDOF_OK) return status;
+    if ((status = check_overlap(ctx, &f->output, &f->color, "color")) != DDOF_OK) return status;
+    return check_map(ctx, f, work);
+}
+
+ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *s) {
+    if (!s) return context_fail(ctx, DDOF_ERROR_INVALID, "settings is NULL");
+    if (!RESERVED_ZERO(s)) return context_fail(ctx, DDOF_ERROR_INVALID, "settings.reserved must be 0");
+    if (s->conductance != DDOF_CONDUCTANCE_MATCHED && s->conductance != DDOF_CONDUCTANCE_CLASSIC)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.conductance is none of ddof_conductance");
+    if (s->substeps < 0 || s->substeps > MAX_SUBSTEPS)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.substeps is %d: give 1 to %d, or 0 for 1", s->substeps,
+                            MAX_SUBSTEPS);
+    if (!frame->depth.channels) return DDOF_OK;
+    const char *wrong = lens_check(&s->lens, &s->depth);
+    return wrong ? context_fail(ctx, DDOF_ERROR_INVALID, "settings: %s", wrong) : DDOF_OK;
+}

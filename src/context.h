@@ -1,0 +1,76 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* What a context holds, and the table a backend implements. */
+#ifndef DDOF_CONTEXT_H
+#define DDOF_CONTEXT_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include <ddof/ddof.h>
+
+#include "lens.h"
+#include "threads.h"
+
+/* One frame on its way through the pipeline: the caller's description, and what its first stages made of it. */
+typedef struct frame_job {
+    const ddof_frame *frame;
+    ddof_image coc_source; /* depth, turned into CoC by `curve`, or CoC itself */
+    bool is_depth;
+    lens_curve curve;
+    float row_scale, column_scale; /* conductance of a link of CoC 1 px, per substep */
+    int substeps;
+    int64_t nonfinite_pixels; /* out */
+} frame_job;
+
+/* The stages a backend implements. Validation is done: it gets nothing it may refuse. */
+typedef struct backend {
+    ddof_backend id;
+    size_t (*scratch_bytes)(const ddof_context *ctx, const frame_job *job);
+    ddof_status (*coc)(ddof_context *ctx, frame_job *job, void *scratch);
+    ddof_status (*diffuse)(ddof_context *ctx, frame_job *job, void *scratch);
+    const char *(*device)(const ddof_context *ctx);
+} backend;
+
+extern const backend backend_cpu, backend_reference;
+
+struct ddof_context {
+    ddof_config config; /* all callbacks filled in */
+    int threads;
+    const backend *backend;
+    const struct cpu_kernels *kernels;
+    thread_pool *pool; /* NULL when the caller runs the loops */
+    void *scratch;
+    size_t scratch_bytes;
+    atomic_flag busy;
+    char error[512];
+
+    /* progress of the call under way */
+    pthread_mutex_t progress_lock;
+    double progress_total;
+    _Atomic int64_t progress_done;
+    double progress_shown;
+    atomic_bool cancelled;
+};
+
+/* Sets the error text and returns the status. */
+ddof_status context_fail(ddof_context *ctx, ddof_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void context_log(ddof_context *ctx, ddof_log_level level, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* Counts `units` of progress_total as done and asks the caller whether to go on; false: stop. Any thread. */
+bool context_progress(ddof_context *ctx, int64_t units);
+
+/* Validation (check.c): DDOF_OK or context_fail. `work`: with color and output, as ddof_render wants them. */
+ddof_status check_config(const ddof_config *config, const char **wrong);
+ddof_status check_frame(ddof_context *ctx, const ddof_frame *frame, bool work);
+ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *settings);
+
+/* THE METHOD (pipeline.c). */
+ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame *frame, const ddof_settings *settings,
+                             bool read, double *focus_distance);
+ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only);
+
+#endif

@@ -1,0 +1,123 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Stage columns: one implicit step of heat diffusion along every column. Down, a tile of solved rows at a time, the
+ * elimination; up, a row at a time, the substitution. Coefficients are vectors of LANES pixels, pixels four vectors of
+ * GROUP pixels x RGBA. */
+#include "conductance.h"
+#include "isa.h"
+
+static inline vfloat load_part(const float *p, int count) {
+    if (count >= LANES) return v_load(p);
+    float part[LANES] = {0};
+    memcpy(part, p, (size_t)count * sizeof(float));
+    return v_load(part);
+}
+
+static inline void store_part(float *p, vfloat v, int count, bool stream) {
+    if (count < LANES)
+        memcpy(p, &v, (size_t)count * sizeof(float));
+    else if (stream)
+        v_stream(p, v);
+    else
+        v_store(p, v);
+}
+
+/* LANES columns on their way down. */
+typedef struct column_group {
+    elimination e; /* of the row above */
+    vfloat u[4];   /* the row above, eliminated */
+    vfloat coc;    /* magnitude, of this row */
+} column_group;
+
+static inline column_group group_load(const cpu_block *b, const column_state *s, int x, int count) {
+    column_group g = {.e = {v_load(s->inverse + x), v_load(s->passed + x), v_load(s->beta + x)}};
+    for (int k = 0; k < 4; k++) g.u[k] = v_load(s->u + 4 * (ptrdiff_t)x + k * LANES);
+    g.coc = coc_magnitude(load_part(b->coc[0] + x, count));
+    return g;
+}
+
+static inline void group_store(const column_group *g, const column_state *s, int x) {
+    v_store(s->inverse + x, g->e.inverse);
+    v_store(s->passed + x, g->e.passed);
+    v_store(s->beta + x, g->e.beta);
+    for (int k = 0; k < 4; k++) v_store(s->u + 4 * (ptrdiff_t)x + k * LANES, g->u[k]);
+}
+
+/* One row of the group: `pixel` solved along its row; coc_below NULL at the border. */
+static inline __attribute__((always_inline)) void group_step(column_group *g, vfloat capacity, vfloat scale,
+                                                             const float *coc_below, const float *pixel, float *out,
+                                                             float *c_out, int count, bool stream) {
+    vfloat beta = v_set(BETA_BORDER);
+    if (coc_below) {
+        vfloat below = coc_magnitude(load_part(coc_below, count));
+        beta = conductance(g->coc, below, scale);
+        g->coc = below;
+    }
+    elimination e = eliminate(reaching(g->e, capacity), beta);
+    vfloat a = g->e.beta * e.inverse;
+    store_part(c_out, beta * e.inverse, count, stream);
+    g->u[0] = v_fma(V_EXPAND(a, 0), g->u[0], V_EXPAND(e.inverse, 0) * v_load(pixel));
+    g->u[1] = v_fma(V_EXPAND(a, 1), g->u[1], V_EXPAND(e.inverse, 1) * v_load(pixel + LANES));
+    g->u[2] = v_fma(V_EXPAND(a, 2), g->u[2], V_EXPAND(e.inverse, 2) * v_load(pixel + 2 * LANES));
+    g->u[3] = v_fma(V_EXPAND(a, 3), g->u[3], V_EXPAND(e.inverse, 3) * v_load(pixel + 3 * LANES));
+    for (int k = 0; k < 4; k++) {
+        int left = count * 4 - k * LANES;
+        if (left > 0) store_part(out + k * LANES, g->u[k], left < LANES ? left : LANES, stream);
+    }
+    g->e = e;
+}
+
+/* `groups` groups side by side, so that one's division hides behind the other's. */
+static inline __attribute__((always_inline)) void columns_of_groups(const cpu_block *b, const column_state *s, int x0, int x,
+                                                                    int count, int groups, float *const *out,
+                                                                    float *const *c_out, bool stream) {
+    column_group g[2];
+    const vfloat scale = v_set(b->column_scale);
+    for (int i = 0; i < groups; i++) g[i] = group_load(b, s, x + i * LANES, count);
+    for (int r = 0; r < b->count; r++) {
+        const float *below = r + 1 < b->count ? b->coc[r + 1] : b->coc_below;
+        const float *pixel = b->tile + (ptrdiff_t)r * TILE * 4;
+        for (int i = 0; i < groups; i++) {
+            const ptrdiff_t at = x - x0 + i * LANES;
+            group_step(&g[i], v_set(b->row_alive[r]), scale, below ? below + x0 + at : NULL, pixel + 4 * at,
+                       out[r] + 4 * at, c_out[r] + at, count, stream);
+        }
+    }
+    for (int i = 0; i < groups; i++) group_store(&g[i], s, x + i * LANES);
+}
+
+static void columns_down(const cpu_block *b, const column_state *s, int x0, int x1, float *const *out, float *const *c_out,
+                         bool stream) {
+    int x = x0;
+    if (stream)
+        for (; x + 2 * LANES <= x1; x += 2 * LANES) columns_of_groups(b, s, x0, x, LANES, 2, out, c_out, true);
+    else
+        for (; x + 2 * LANES <= x1; x += 2 * LANES) columns_of_groups(b, s, x0, x, LANES, 2, out, c_out, false);
+    for (; x < x1; x += LANES) columns_of_groups(b, s, x0, x, x1 - x < LANES ? x1 - x : LANES, 1, out, c_out, false);
+    if (stream) v_stream_fence();
+}
+
+static inline void up_step(float *row, const float *c, const float *below) {
+    vfloat k = v_load(c);
+    v_store(row, v_fma(V_EXPAND(k, 0), v_load(below), v_load(row)));
+    v_store(row + LANES, v_fma(V_EXPAND(k, 1), v_load(below + LANES), v_load(row + LANES)));
+    v_store(row + 2 * LANES, v_fma(V_EXPAND(k, 2), v_load(below + 2 * LANES), v_load(row + 2 * LANES)));
+    v_store(row + 3 * LANES, v_fma(V_EXPAND(k, 3), v_load(below + 3 * LANES), v_load(row + 3 * LANES)));
+}
+
+static void columns_up(float *row, const float *c, const float *below, int count) {
+    int x = 0;
+    for (; x + LANES <= count; x += LANES) up_step(row + 4 * (ptrdiff_t)x, c + x, below + 4 * (ptrdiff_t)x);
+    if (x < count) {
+        float row_part[4 * LANES] = {0}, c_part[LANES] = {0}, below_part[4 * LANES] = {0};
+        size_t left = (size_t)(count - x);
+        memcpy(row_part, row + 4 * (ptrdiff_t)x, left * 4 * sizeof(float));
+        memcpy(c_part, c + x, left * sizeof(float));
+        memcpy(below_part, below + 4 * (ptrdiff_t)x, left * 4 * sizeof(float));
+        up_step(row_part, c_part, below_part);
+        memcpy(row + 4 * (ptrdiff_t)x, row_part, left * 4 * sizeof(float));
+    }
+}
+
+const column_kernels ISA(column_kernels) = {columns_down, columns_up};

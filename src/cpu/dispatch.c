@@ -1,0 +1,56 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Which kernels this machine runs, and the CPU backend's table. */
+#include "engine.h"
+
+#define DECLARE(isa)                                                                                                   \
+    extern const row_kernels row_kernels_##isa;                                                                        \
+    extern const column_kernels column_kernels_##isa;                                                                  \
+    extern const pixel_kernels pixel_kernels_##isa;
+#define TABLE(isa, flag, lanes)                                                                                        \
+    {#isa, flag, lanes, &row_kernels_##isa, &column_kernels_##isa, &pixel_kernels_##isa}
+
+DECLARE(baseline)
+#if defined(__aarch64__)
+const cpu_kernels cpu_kernels_baseline = {"neon", DDOF_CPU_NEON, 4, &row_kernels_baseline, &column_kernels_baseline,
+                                          &pixel_kernels_baseline};
+#else
+const cpu_kernels cpu_kernels_baseline = TABLE(baseline, DDOF_CPU_BASELINE, 4);
+#endif
+#if defined(__x86_64__)
+DECLARE(avx2)
+DECLARE(avx512)
+static const cpu_kernels kernels_avx2 = TABLE(avx2, DDOF_CPU_AVX2, 8);
+static const cpu_kernels kernels_avx512 = TABLE(avx512, DDOF_CPU_AVX512, 16);
+#endif
+
+unsigned cpu_flags(void) {
+    unsigned flags = DDOF_CPU_BASELINE | cpu_kernels_baseline.flag;
+#if defined(__x86_64__)
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("f16c"))
+        flags |= DDOF_CPU_AVX2;
+    if (flags & DDOF_CPU_AVX2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        flags |= DDOF_CPU_AVX512;
+#endif
+    return flags;
+}
+
+const cpu_kernels *cpu_kernels_pick(unsigned mask) {
+#if defined(__x86_64__)
+    unsigned allowed = cpu_flags() & (mask ? mask : ~0u);
+    if (allowed & DDOF_CPU_AVX512) return &kernels_avx512;
+    if (allowed & DDOF_CPU_AVX2) return &kernels_avx2;
+#else
+    (void)mask;
+#endif
+    return &cpu_kernels_baseline;
+}
+
+static const char *device(const ddof_context *ctx) {
+    return ctx->kernels->name;
+}
+
+const backend backend_cpu = {DDOF_BACKEND_CPU, cpu_scratch_bytes, cpu_coc, cpu_diffuse, device};

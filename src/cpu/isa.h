@@ -1,0 +1,19 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Names of what is compiled once per instruction set: ISA(row_kernels) is row_kernels_avx2 where the build says
+ * -DDDOF_ISA=avx2. */
+#ifndef DDOF_CPU_ISA_H
+#define DDOF_CPU_ISA_H
+
+#include "kernels.h"
+
+#define ISA_JOIN(name, isa) name##_##isa
+#define ISA_NAME(name, isa) ISA_JOIN(name, isa)
+#define ISA(name) ISA_NAME(name, DDOF_ISA)
+
+extern const row_kernels ISA(row_kernels);
+extern const column_kernels ISA(column_kernels);
+extern const pixel_kernels ISA(pixel_kernels);
+
+#endif
