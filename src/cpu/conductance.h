@@ -16,9 +16,13 @@
  * can be told from zero (1 + 1e-20 == 1). */
 #define BETA_FLOOR 1e-20f
 
-/* |d|, limited; what is not finite counts as the limit: such a pixel is a hole and leaves the decision to its neighbour. */
+/* |d|, limited; what is not a number counts as the limit: such a pixel is a hole and leaves the decision to its
+ * neighbour. */
+static inline vfloat coc_limited(vfloat magnitude) {
+    return v_min(magnitude, v_set(COC_LIMIT));
+}
 static inline vfloat coc_magnitude(vfloat d) {
-    return v_min(v_abs(d), v_set(COC_LIMIT));
+    return coc_limited(v_abs(d));
 }
 
 static inline vfloat conductance(vfloat d0, vfloat d1, vfloat scale) {

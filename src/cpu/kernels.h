@@ -48,7 +48,7 @@ typedef struct column_state {
 typedef struct row_kernels {
     /* Down: eliminates all rows of the block from left to right. False when a value was not finite: then the caller says
      * by `capacity` where the holes are, and calls again. */
-    bool (*forward)(cpu_block *block);
+    bool (*forward)(const cpu_block *block);
     /* Back: substitutes pixels [x0, x1) from right to left into block->tile. x0 is a multiple of TILE; the last tile comes
      * first, with a carry of zeros. */
     void (*backward)(cpu_block *block, int x0, int x1);

@@ -6,7 +6,7 @@
 #include "conductance.h"
 #include "isa.h"
 
-#define PREFETCH 64 /* pixels ahead: rows are separate streams, too many of them for the hardware's prefetchers */
+#define PREFETCH 32 /* pixels ahead: a block reads more rows at once than the hardware follows streams */
 
 /* GROUP columns of all rows, from rows to columns: out[j][k] is column j of the rows GROUP*k and up. */
 static inline void load_columns(const cpu_block *b, int x, vfloat out[GROUP][4]) {
@@ -32,23 +32,19 @@ static inline void load_columns_short(const cpu_block *b, int x, vfloat out[GROU
     }
 }
 
-/* Conductances of LANES links to the right, [column][row]; clears the lanes of `good` that saw a CoC not finite. */
-static inline void load_conductance(const cpu_block *b, int x, vfloat beta[LANES], vint *good) {
-    const vfloat scale = v_set(b->row_scale);
-    int left = b->width - x;
+/* Magnitudes of the CoC of LANES columns, [column][row]; zeros beyond the row's end. */
+static inline void load_coc(const cpu_block *b, int x, vfloat d[LANES]) {
+    const int left = b->width - x;
     for (int i = 0; i < LANES; i++) {
-        const float *d = b->coc[i] + x;
-        float part[LANES + 1] = {0};
-        if (left <= LANES) {
-            memcpy(part, d, (size_t)left * sizeof(float));
-            d = part;
+        if (left >= LANES) {
+            d[i] = v_abs(v_load(b->coc[i] + x));
+        } else {
+            float part[LANES] = {0};
+            if (left > 0) memcpy(part, b->coc[i] + x, (size_t)left * sizeof(float));
+            d[i] = v_abs(v_load(part));
         }
-        vfloat magnitude = v_abs(v_load(d));
-        *good &= (vint)(magnitude <= v_set(COC_LIMIT));
-        beta[i] = conductance(v_min(magnitude, v_set(COC_LIMIT)), coc_magnitude(v_load(d + 1)), scale);
     }
-    v_transpose(beta);
-    if (left <= LANES) beta[left - 1] = v_set(BETA_BORDER);
+    v_transpose(d);
 }
 
 typedef struct row_state {
@@ -71,47 +67,59 @@ static inline __attribute__((always_inline)) void row_step(row_state *s, vfloat 
 
 static inline void prefetch_rows(const cpu_block *b, int x) {
     if (x + PREFETCH >= b->width) return;
-    for (int i = 0; i < LANES; i++) __builtin_prefetch(b->pixel[i] + 4 * ((ptrdiff_t)x + PREFETCH));
+    for (int i = 0; i < LANES; i++) __builtin_prefetch(b->pixel[i] + 4 * ((ptrdiff_t)x + PREFETCH), 0, 2);
 }
 
-/* Returns the lanes in which everything was finite. capacity NULL: no holes. */
-static inline __attribute__((always_inline)) vint forward(const cpu_block *b, const float *capacity) {
-    vint good = ~(vint){0};
+/* GROUP columns from x, whose conductances to the right are beta. */
+static inline __attribute__((always_inline)) void forward_columns(const cpu_block *b, row_state *s, int x,
+                                                                  const vfloat beta[GROUP], const float *capacity) {
+    vfloat pixel[GROUP][4];
+    if (x % 4 == 0) prefetch_rows(b, x);
+    if (x + GROUP <= b->width)
+        load_columns(b, x, pixel);
+    else
+        load_columns_short(b, x, pixel);
+    for (int i = 0; i < GROUP; i++) {
+        ptrdiff_t at = (ptrdiff_t)(x + i) * LANES;
+        vfloat g = capacity ? v_load(capacity + at) : v_set(1.0f);
+        row_step(s, g, beta[i], pixel[i], b->u + 4 * at, b->c + at);
+    }
+}
+
+/* Whether everything was finite. capacity NULL: no holes. */
+static inline __attribute__((always_inline)) bool forward(const cpu_block *block, const float *capacity) {
+    const cpu_block b = *block; /* a copy, which stores to scratch cannot change */
+    const vfloat scale = v_set(b.row_scale);
+    vfloat d[2][LANES];
+    vint worst = {0};
     row_state s = {0};
-    const int width = b->width;
-    float *restrict u = b->u, *restrict c = b->c;
 
     s.e.inverse = v_set(1.0f);
-    for (int x0 = 0; x0 < width; x0 += LANES) {
-        vfloat beta[LANES];
-        load_conductance(b, x0, beta, &good);
+    load_coc(&b, 0, d[0]);
+    for (int x0 = 0, now = 0; x0 < b.width; x0 += LANES, now = !now) {
+        vfloat *here = d[now], *next = d[!now];
+        load_coc(&b, x0 + LANES, next);
         for (int j = 0; j < LANES; j += GROUP) {
-            vfloat pixel[GROUP][4];
-            const int x = x0 + j;
-            if (x >= width) break;
-            if (x % 4 == 0) prefetch_rows(b, x);
-            if (x + GROUP <= width)
-                load_columns(b, x, pixel);
-            else
-                load_columns_short(b, x, pixel);
+            vfloat beta[GROUP];
+            if (x0 + j >= b.width) break;
             for (int i = 0; i < GROUP; i++) {
-                vfloat g = capacity ? v_load(capacity + (ptrdiff_t)(x + i) * LANES) : v_set(1.0f);
-                row_step(&s, g, beta[j + i], pixel[i], u, c);
-                u += 4 * LANES;
-                c += LANES;
+                worst = v_max_bits(worst, here[j + i]);
+                vfloat right = j + i + 1 < LANES ? here[j + i + 1] : next[0];
+                beta[i] = conductance(coc_limited(here[j + i]), coc_limited(right), scale);
+                if (x0 + j + i == b.width - 1) beta[i] = v_set(BETA_BORDER);
             }
+            forward_columns(&b, &s, x0 + j, beta, capacity);
         }
     }
-    /* u carries anything not finite to the end of its row: one look there is enough */
-    for (int k = 0; k < 4; k++) good &= (vint)(v_abs(s.u[k]) <= v_set(3.4e38f));
-    return good;
+    /* u carries what is not finite to the end of its row: one look there is enough */
+    for (int k = 0; k < 4; k++) worst = v_max_bits(worst, v_abs(s.u[k]));
+    int finite = 1;
+    for (int i = 0; i < LANES; i++) finite &= worst[i] < 0x7f800000;
+    return finite;
 }
 
-static bool rows_forward(cpu_block *b) {
-    vint good = b->capacity ? forward(b, b->capacity) : forward(b, NULL);
-    int ok = 1;
-    for (int i = 0; i < LANES; i++) ok &= good[i] != 0;
-    return ok;
+static bool rows_forward(const cpu_block *b) {
+    return b->capacity ? forward(b, b->capacity) : forward(b, NULL);
 }
 
 static void rows_backward(cpu_block *b, int x0, int x1) {

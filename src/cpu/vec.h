@@ -67,6 +67,18 @@ static inline vfloat v_max(vfloat a, vfloat b) {
 #endif
 }
 
+/* Of non-negative floats, infinity and NaN among them, the largest by their bits: NaN > infinity > all else. */
+static inline vint v_max_bits(vint a, vfloat b) {
+#if defined(__AVX512F__)
+    return (vint)_mm512_max_epi32((__m512i)a, (__m512i)b);
+#elif defined(__AVX2__)
+    return (vint)_mm256_max_epi32((__m256i)a, (__m256i)b);
+#else
+    vint mask = a > (vint)b;
+    return (mask & a) | (~mask & (vint)b);
+#endif
+}
+
 /* a * b + c, fused where the instruction set can. */
 static inline vfloat v_fma(vfloat a, vfloat b, vfloat c) {
 #if defined(__AVX512F__)
