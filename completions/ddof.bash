@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The ddof authors
+# SPDX-License-Identifier: MIT
+#
+# bash completion for ddof; installed as bash-completion/completions/ddof. Every option of --help is here (a test checks).
+
+_ddof_options() {
+    local blur="--layer --depth --depth-kind --near --far --coc --coc-scale --camera --render --focal-length
+        --sensor-width --fstop --unit --focus --focus-at --focus-range --max-coc --max-coc-near --max-coc-far"
+    local engine="--threads --backend --cpu"
+    local report="--quiet --json --help"
+    case $1 in
+        render) echo "--output $blur --conductance --substeps --preview --exposure $engine $report" ;;
+        coc) echo "--output $blur --exposure $engine $report" ;;
+        info) echo "--layer --depth --threads $report" ;;
+        compare) echo "--layer --mask --threads $report" ;;
+        bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --conductance --substeps $engine
+            $report" ;;
+    esac
+}
+
+_ddof_files() {
+    local IFS=$'\n'
+    compopt -o filenames 2>/dev/null
+    # shellcheck disable=SC2207 # one name a line
+    COMPREPLY=($(compgen -f -X "!*.@($1)" -- "$2") $(compgen -d -- "$2"))
+}
+
+_ddof() {
+    local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]} extglob
+    local pictures='exr|EXR|png|PNG|tif|tiff|TIF|TIFF|pfm|PFM'
+    COMPREPLY=()
+    extglob=$(shopt -p extglob)
+    shopt -s extglob
+    if ((COMP_CWORD == 1)); then
+        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench help --help --version" -- "$word")
+    elif [[ $command == help ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench" -- "$word")
+    else
+        _ddof_value "$command" "$previous" "$word" || {
+            if [[ $word == -* ]]; then
+                mapfile -t COMPREPLY < <(compgen -W "$(_ddof_options "$command")" -- "$word")
+            elif [[ $command != bench ]]; then
+                _ddof_files "$pictures" "$word"
+            fi
+        }
+    fi
+    $extglob
+}
+
+# The value of the option before the cursor; fails when that option has none.
+_ddof_value() {
+    local choices=
+    case $2 in
+        --depth-kind) choices="planar ray inverse normalized device" ;;
+        --conductance) choices="matched classic" ;;
+        --backend) choices="auto cpu reference" ;;
+        --cpu) choices="all baseline avx2 avx512 neon" ;;
+        --type) choices="float half" ;;
+        --layout) choices="interleaved planar" ;;
+        --size) choices="1280x720 1920x1080 3840x2160" ;;
+        --camera) _ddof_files 'json' "$3"; return 0 ;;
+        --preview) _ddof_files 'png' "$3"; return 0 ;;
+        -o | --output | --mask) _ddof_files "$pictures" "$3"; return 0 ;;
+        --depth | --coc)
+            [[ $1 == bench && $2 == --depth ]] && return 1
+            [[ $1 == bench ]] && return 0
+            _ddof_files "$pictures" "$3"
+            return 0
+            ;;
+        --layer | --near | --far | --coc-scale | --render | --focal-length | --sensor-width | --fstop | --unit | --focus | \
+            --focus-at | --focus-range | --max-coc | --max-coc-near | --max-coc-far | --runs | --channels | --substeps | \
+            --exposure | --threads) return 0 ;;
+        *) return 1 ;;
+    esac
+    mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$3")
+}
+
+complete -F _ddof ddof

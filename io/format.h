@@ -1,0 +1,63 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Inside io/ only: what a file format implements, and what they share. picture.c holds the table. */
+#ifndef IO_FORMAT_H
+#define IO_FORMAT_H
+
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "picture.h"
+
+typedef struct io_handler {
+    io_format format;
+    /* Whether a file that begins with these bytes is of this format. */
+    bool (*matches)(const unsigned char *head, size_t size);
+    /* picture->path, ->format are set. Fills the parts (channel data NULL) and picture->source. */
+    int (*open)(io_picture *picture, io_meaning meaning, const io_options *options, io_error *error);
+    /* Reads channels of `part` (names NULL: all of them); channels already read are left alone. */
+    int (*read)(io_picture *picture, int part, const char *const *names, int name_count, io_error *error);
+    /* Gives a picture made by io_create its source. bits is checked here. */
+    int (*create)(io_picture *picture, io_meaning meaning, io_error *error);
+    /* Writes the file `temporary` from scratch. Messages name `path`, the final name. */
+    int (*write)(const io_picture *picture, const char *temporary, const char *path, const io_options *options,
+                 io_error *note, io_error *error);
+    /* Frees picture->source. */
+    void (*close)(io_picture *picture);
+} io_handler;
+
+extern const io_handler io_exr, io_png, io_tiff, io_pfm;
+const io_handler *io_handler_of(io_format format);
+
+/* Sets error->text and returns -1. The text names the file first: "shot.exr: ...". Control characters (from names in
+ * hostile files) become '?', so that it is one line. error may be NULL. */
+int io_fail(io_error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The line about a failure (errno) to write `path`: full disk, permissions, missing folder... Returns -1. */
+int io_fail_write(io_error *error, const char *path, int code);
+
+/* A part with channels, appended to the picture; NULL when out of memory. Names are copied. */
+io_part *io_add_part(io_picture *picture, const char *name, const char *view, io_box data, io_box display);
+io_channel *io_add_channel(io_part *part, const char *name, io_type type, int x_sampling, int y_sampling);
+/* Allocates a channel's data (64-byte aligned, zeroed). */
+int io_channel_allocate(io_channel *channel, io_error *error, const char *path);
+/* Frees a channel's data, which was made by io_channel_allocate (free() will not do). */
+void io_channel_release(io_channel *channel);
+/* Refuses width x height beyond options->max_pixels or outside 1..2^20 a side. */
+int io_check_size(const char *path, int64_t width, int64_t height, const io_options *options, io_error *error);
+
+/* sRGB transfer curve (IEC 61966-2-1), on 0..1; values outside go through the same curve, odd around 0. */
+float io_srgb_to_linear(float encoded);
+float io_linear_to_srgb(float linear);
+
+/* IEEE binary16 <-> binary32, bit patterns in, round to nearest even, beyond the range: infinity. */
+void io_half_to_float(const uint16_t *in, float *out, size_t count, size_t out_stride);
+void io_float_to_half(const float *in, uint16_t *out, size_t count, size_t in_stride);
+
+/* What `threads` of io_options means: itself, or for 0 the processors this process may use. 1 to 256. */
+int io_thread_count(int threads);
+/* Runs task(data, 0..count-1) on `threads` pthreads (0: as many as the process may use), the caller's among them. */
+void io_parallel(int threads, int count, void (*task)(void *data, int index), void *data);
+
+#endif

@@ -1,0 +1,334 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* The table of formats and what all of them share: memory of pictures, types of channels. Output: output.c. */
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "format.h"
+
+static const io_handler *const handlers[] = {&io_exr, &io_png, &io_tiff, &io_pfm};
+enum { HANDLERS = sizeof handlers / sizeof handlers[0], HEAD = 32, LONGEST_SIDE = 1 << 20 };
+
+const io_handler *io_handler_of(io_format format) {
+    for (int i = 0; i < HANDLERS; i++)
+        if (handlers[i]->format == format)
+            return handlers[i];
+    return NULL;
+}
+
+const char *io_format_name(io_format format) {
+    static const char *const names[] = {[IO_EXR] = "EXR", [IO_PNG] = "PNG", [IO_TIFF] = "TIFF", [IO_PFM] = "PFM"};
+    return names[format];
+}
+
+bool io_format_of_name(const char *path, io_format *format) {
+    static const struct {
+        const char *ending;
+        io_format format;
+    } endings[] = {{".exr", IO_EXR}, {".png", IO_PNG}, {".tif", IO_TIFF}, {".tiff", IO_TIFF}, {".pfm", IO_PFM}};
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof endings / sizeof endings[0]; i++)
+        if (strcasecmp(dot, endings[i].ending) == 0) {
+            *format = endings[i].format;
+            return true;
+        }
+    return false;
+}
+
+int io_fail(io_error *error, const char *format, ...) {
+    if (!error)
+        return -1;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(error->text, sizeof error->text, format, arguments);
+    va_end(arguments);
+    for (char *c = error->text; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == 127)
+            *c = '?';
+    return -1;
+}
+
+/* ------------------------------------------------------------------------- memory */
+
+size_t io_type_size(io_type type) { return type == IO_HALF ? 2 : 4; }
+
+static bool grow(void **array, int count, size_t size) {
+    /* Powers of two: room is there unless count is one. */
+    if (count & (count - 1))
+        return true;
+    void *larger = realloc(*array, (size_t)(count ? 2 * count : 1) * size);
+    if (!larger)
+        return false;
+    *array = larger;
+    return true;
+}
+
+io_part *io_add_part(io_picture *picture, const char *name, const char *view, io_box data, io_box display) {
+    if (!grow((void **)&picture->part, picture->part_count, sizeof(io_part)))
+        return NULL;
+    io_part *part = &picture->part[picture->part_count];
+    *part = (io_part){.name = strdup(name ? name : ""),
+                      .view = strdup(view ? view : ""),
+                      .data = data,
+                      .display = display,
+                      .pixel_aspect = 1,
+                      .compression = "none",
+                      .storage = "scanline"};
+    picture->part_count++;
+    return part->name && part->view ? part : NULL;
+}
+
+/* Samples of a subsampled channel lie at the coordinates that are multiples of the sampling. */
+static int samples(int origin, int size, int sampling) {
+    int64_t last = (int64_t)origin + size - 1, before = (int64_t)origin - 1;
+    int64_t below_last = last >= 0 ? last / sampling : -((-last + sampling - 1) / sampling);
+    int64_t below = before >= 0 ? before / sampling : -((-before + sampling - 1) / sampling);
+    return (int)(below_last - below);
+}
+
+io_channel *io_add_channel(io_part *part, const char *name, io_type type, int x_sampling, int y_sampling) {
+    if (!grow((void **)&part->channel, part->channel_count, sizeof(io_channel)))
+        return NULL;
+    io_channel *channel = &part->channel[part->channel_count];
+    *channel = (io_channel){.name = strdup(name),
+                            .type = type,
+                            .x_sampling = x_sampling,
+                            .y_sampling = y_sampling,
+                            .width = samples(part->data.x, part->data.width, x_sampling),
+                            .height = samples(part->data.y, part->data.height, y_sampling)};
+    if (!channel->name)
+        return NULL;
+    part->channel_count++;
+    return channel;
+}
+
+int io_channel_allocate(io_channel *channel, io_error *error, const char *path) {
+    enum { ALIGNMENT = 64 };
+    size_t bytes = (size_t)channel->width * (size_t)channel->height * io_type_size(channel->type);
+    /* calloc, and not aligned_alloc and memset: large blocks come from the system as zeroes, at no cost until used.
+     * The pointer to free lies right before the data. */
+    unsigned char *block = calloc(1, bytes + 2 * ALIGNMENT);
+    if (!block)
+        return io_fail(error, "%s: not enough memory for channel '%s' (%zu MiB); close other programs or use a proxy",
+                       path, channel->name, bytes >> 20);
+    unsigned char *data = block + ALIGNMENT;
+    data += (ALIGNMENT - (uintptr_t)data % ALIGNMENT) % ALIGNMENT;
+    memcpy(data - sizeof block, &block, sizeof block);
+    io_channel_release(channel);
+    channel->data = data;
+    return 0;
+}
+
+void io_channel_release(io_channel *channel) {
+    if (!channel->data)
+        return;
+    void *block;
+    memcpy(&block, (unsigned char *)channel->data - sizeof block, sizeof block);
+    free(block);
+    channel->data = NULL;
+}
+
+int io_check_size(const char *path, int64_t width, int64_t height, const io_options *options, io_error *error) {
+    uint64_t limit = options && options->max_pixels ? options->max_pixels : UINT64_C(1) << 31;
+    if (width < 1 || height < 1)
+        return io_fail(error, "%s: declares a size of %lld x %lld; the header is damaged", path, (long long)width,
+                       (long long)height);
+    if (width > LONGEST_SIDE || height > LONGEST_SIDE)
+        return io_fail(error, "%s: %lld x %lld is too large, the longest side possible is %d", path, (long long)width,
+                       (long long)height, LONGEST_SIDE);
+    if ((uint64_t)width * (uint64_t)height > limit)
+        return io_fail(error, "%s: %lld x %lld is more than the limit of %llu pixels", path, (long long)width,
+                       (long long)height, (unsigned long long)limit);
+    return 0;
+}
+
+void io_close(io_picture **picture) {
+    if (!picture || !*picture)
+        return;
+    io_picture *p = *picture;
+    const io_handler *handler = io_handler_of(p->format);
+    if (handler && p->source)
+        handler->close(p);
+    for (int i = 0; i < p->part_count; i++) {
+        io_part *part = &p->part[i];
+        for (int c = 0; c < part->channel_count; c++) {
+            io_channel_release(&part->channel[c]);
+            free(part->channel[c].name);
+        }
+        free(part->channel);
+        free(part->name);
+        free(part->view);
+    }
+    free(p->part);
+    free(p->path);
+    free(p);
+    *picture = NULL;
+}
+
+static io_picture *new_picture(const char *path, io_format format, io_error *error) {
+    io_picture *picture = calloc(1, sizeof *picture);
+    if (picture && (picture->path = strdup(path))) {
+        picture->format = format;
+        return picture;
+    }
+    free(picture);
+    io_fail(error, "%s: not enough memory", path);
+    return NULL;
+}
+
+/* ------------------------------------------------------------------------- reading */
+
+static const io_handler *recognise(const char *path, io_error *error) {
+    unsigned char head[HEAD];
+    struct stat status;
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0 || fstat(file, &status) != 0) {
+        io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
+    } else if (!S_ISREG(status.st_mode)) {
+        io_fail(error, "%s: is %s; give a picture file", path,
+                S_ISDIR(status.st_mode) ? "a folder" : "no regular file (pictures are not read from pipes)");
+    } else if (status.st_size == 0) {
+        io_fail(error, "%s: is empty; write or copy it again", path);
+    } else {
+        ssize_t size = read(file, head, sizeof head);
+        close(file);
+        for (int i = 0; size > 0 && i < HANDLERS; i++)
+            if (handlers[i]->matches(head, (size_t)size))
+                return handlers[i];
+        io_fail(error, "%s: is no EXR, PNG, TIFF or PFM picture; convert it to one of these", path);
+        return NULL;
+    }
+    if (file >= 0)
+        close(file);
+    return NULL;
+}
+
+int io_open(io_picture **picture, const char *path, io_meaning meaning, const io_options *options, io_error *error) {
+    static const io_options defaults;
+    *picture = NULL;
+    const io_handler *handler = recognise(path, error);
+    if (!handler)
+        return -1;
+    io_picture *opened = new_picture(path, handler->format, error);
+    if (!opened)
+        return -1;
+    if (handler->open(opened, meaning, options ? options : &defaults, error) != 0) {
+        io_close(&opened);
+        return -1;
+    }
+    *picture = opened;
+    return 0;
+}
+
+int io_read_channels(io_picture *picture, int part, const char *const *names, int name_count, io_error *error) {
+    return io_handler_of(picture->format)->read(picture, part, names, name_count, error);
+}
+
+int io_read(io_picture *picture, io_error *error) {
+    for (int i = 0; i < picture->part_count; i++)
+        if (!picture->part[i].deep && io_read_channels(picture, i, NULL, 0, error) != 0)
+            return -1;
+    return 0;
+}
+
+/* ------------------------------------------------------------------------- making */
+
+int io_create(io_picture **picture, io_format format, int width, int height, const char *const *names, int name_count,
+              io_type type, int bits, io_meaning meaning, io_error *error) {
+    *picture = NULL;
+    io_picture *made = new_picture("new picture", format, error);
+    if (!made)
+        return -1;
+    io_box box = {0, 0, width, height};
+    io_part *part = NULL;
+    if (io_check_size(made->path, width, height, NULL, error) != 0)
+        goto failed;
+    part = io_add_part(made, "", "", box, box);
+    for (int i = 0; part && i < name_count; i++) {
+        io_channel *channel = io_add_channel(part, names[i], type, 1, 1);
+        if (!channel) {
+            part = NULL;
+        } else {
+            channel->modified = true;
+            if (io_channel_allocate(channel, error, made->path) != 0)
+                goto failed;
+        }
+    }
+    if (!part) {
+        io_fail(error, "%s: not enough memory", made->path);
+        goto failed;
+    }
+    part->bits = bits;
+    if (io_handler_of(format)->create(made, meaning, error) != 0)
+        goto failed;
+    *picture = made;
+    return 0;
+failed:
+    io_close(&made);
+    return -1;
+}
+
+/* ------------------------------------------------------------------------- values */
+
+void io_channel_modified(io_channel *channel) { channel->modified = true; }
+
+int io_channel_retype(io_channel *channel, io_type type, io_error *error) {
+    io_type old = channel->type;
+    channel->type = type;
+    if (io_channel_allocate(channel, error, channel->name) != 0) {
+        channel->type = old;
+        return -1;
+    }
+    channel->modified = true;
+    return 0;
+}
+
+void io_channel_to_float(const io_channel *channel, float *out, size_t pixel_floats, size_t row_floats) {
+    size_t width = (size_t)channel->width;
+    for (size_t y = 0; y < (size_t)channel->height; y++) {
+        float *row = out + y * row_floats;
+        if (channel->type == IO_HALF) {
+            io_half_to_float((const uint16_t *)channel->data + y * width, row, width, pixel_floats);
+        } else if (channel->type == IO_FLOAT) {
+            const float *in = (const float *)channel->data + y * width;
+            for (size_t x = 0; x < width; x++)
+                row[x * pixel_floats] = in[x];
+        } else {
+            const uint32_t *in = (const uint32_t *)channel->data + y * width;
+            for (size_t x = 0; x < width; x++)
+                row[x * pixel_floats] = (float)in[x];
+        }
+    }
+}
+
+static uint32_t to_uint(float value) {
+    if (!(value > 0)) /* NaN too */
+        return 0;
+    return value >= 0x1p32f ? UINT32_MAX : (uint32_t)rint((double)value);
+}
+
+void io_channel_from_float(io_channel *channel, const float *in, size_t pixel_floats, size_t row_floats) {
+    size_t width = (size_t)channel->width;
+    for (size_t y = 0; y < (size_t)channel->height; y++) {
+        const float *row = in + y * row_floats;
+        if (channel->type == IO_HALF) {
+            io_float_to_half(row, (uint16_t *)channel->data + y * width, width, pixel_floats);
+        } else if (channel->type == IO_FLOAT) {
+            float *out = (float *)channel->data + y * width;
+            for (size_t x = 0; x < width; x++)
+                out[x] = row[x * pixel_floats];
+        } else {
+            uint32_t *out = (uint32_t *)channel->data + y * width;
+            for (size_t x = 0; x < width; x++)
+                out[x] = to_uint(row[x * pixel_floats]);
+        }
+    }
+    channel->modified = true;
+}

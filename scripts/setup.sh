@@ -1,0 +1,54 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: 2026 The ddof authors
+# SPDX-License-Identifier: MIT
+
+# setup.sh PURPOSE...: installs the Debian packages that PURPOSE (build, test, arm64) needs and this system lacks. Where it may
+# not, it prints the line that does, and fails.
+set -eu
+
+packages() {
+    case $1 in
+    build) echo gcc g++ meson ninja-build pkg-config libopenexr-dev libpng-dev libtiff-dev libcjson-dev ;;
+    test) echo libcmocka-dev binutils python3 ;;
+    arm64) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user ;;
+    *) echo "setup.sh: no such purpose: $1" >&2; exit 2 ;;
+    esac
+}
+
+installed() {
+    dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
+}
+
+missing=
+for purpose; do
+    for package in $(packages "$purpose"); do
+        installed "$package" || missing="$missing $package"
+    done
+done
+[ -n "$missing" ] || exit 0
+
+line="apt-get install -y --no-install-recommends$missing"
+if ! command -v apt-get >/dev/null; then
+    echo "This is no Debian system: install the equivalents of these packages, then run make again:$missing" >&2
+    exit 1
+fi
+if [ "$(id -u)" = 0 ]; then
+    as_root=
+elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+    as_root=sudo
+else
+    echo "Some packages are missing. As root, run this line, then make again:" >&2
+    echo "    apt-get update && $line" >&2
+    exit 1
+fi
+echo "Installing:$missing"
+log=$(mktemp)
+if ! { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 update &&
+       $as_root env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y --no-install-recommends $missing
+     } >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    rm -f "$log"
+    echo "Installing failed. The line was: apt-get update && $line" >&2
+    exit 1
+fi
+rm -f "$log"

@@ -1,0 +1,76 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: 2026 The ddof authors
+# SPDX-License-Identifier: MIT
+
+# test.sh VARIANT...: builds and runs every test in each variant; the last line counts all of them.
+#   release  as it is shipped
+#   asan     AddressSanitizer and UndefinedBehaviorSanitizer
+#   tsan     ThreadSanitizer
+#   arm64    the library's NEON kernels, cross-compiled, under qemu
+set -u
+cd "$(dirname "$0")/.."
+passed=0 failed=0 skipped=0
+
+options() {
+    case $1 in
+    release) ;;
+    asan) echo --buildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
+    tsan) echo --buildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false -Ddefault_library=static ;;
+    arm64) echo --cross-file scripts/arm64.ini -Dtools=false -Ddefault_library=static ;;
+    *) echo "test.sh: no such variant: $1 (release, asan, tsan, arm64)" >&2; exit 2 ;;
+    esac
+}
+
+# Adds what a JUnit report counted.
+count() {
+    set -- $(sed -n 's/.*<testsuite name=[^>]* tests="\([0-9]*\)" errors="\([0-9]*\)" failures="\([0-9]*\)" skipped="\([0-9]*\)".*/\1 \2 \3 \4/p' "$1" |
+        awk '{ bad = $2 + $3; p += $1 - bad - $4; f += bad; s += $4 } END { print p + 0, f + 0, s + 0 }')
+    echo "$variant: $1 passed, $2 failed, $3 skipped"
+    passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
+}
+
+run() {
+    variant=$1 dir=build-test/$1
+    flags=$(options "$variant") || exit 2
+    echo "== $variant"
+    if ! { [ -f "$dir/build.ninja" ] || meson setup "$dir" $flags; } >"build-test/$variant.log" 2>&1 ||
+       ! ninja -C "$dir" >>"build-test/$variant.log" 2>&1; then
+        tail -n 40 "build-test/$variant.log"
+        echo "$variant: the build failed (build-test/$variant.log)"
+        failed=$((failed + 1))
+        return
+    fi
+    rm -f "$dir/meson-logs/testlog.junit.xml"
+    meson test -C "$dir" --no-rebuild --print-errorlogs -t 4 >"build-test/$variant.tests" 2>&1
+    status=$?
+    sed -n '/^ *[0-9]*\/[0-9]* /p' "build-test/$variant.tests"
+    if [ $status -ne 0 ]; then sed -n '/^―/,$p' "build-test/$variant.tests" | tail -n 150; fi
+    if [ -f "$dir/meson-logs/testlog.junit.xml" ]; then
+        before=$failed
+        count "$dir/meson-logs/testlog.junit.xml"
+        # a program that crashed before it could report counts once
+        [ $status -eq 0 ] || [ $failed -gt $before ] || failed=$((failed + 1))
+    else
+        failed=$((failed + 1))
+    fi
+}
+
+purposes="build test"
+for variant; do
+    options "$variant" >/dev/null || exit 2
+    [ "$variant" = arm64 ] && purposes="$purposes arm64"
+done
+sh scripts/setup.sh $purposes || exit 1
+mkdir -p build-test
+export ASAN_OPTIONS=${ASAN_OPTIONS:-allocator_may_return_null=1} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}
+export TSAN_OPTIONS=${TSAN_OPTIONS:-halt_on_error=1}
+for variant; do
+    if [ "$variant" = arm64 ] && ! sh scripts/arm64_cmocka.sh build-test/arm64-root; then
+        echo "arm64: skipped, the test framework could not be had for arm64"
+        skipped=$((skipped + 1))
+        continue
+    fi
+    run "$variant"
+done
+echo "$passed passed, $failed failed, $skipped skipped"
+[ $failed -eq 0 ]

@@ -1,0 +1,179 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "job.h"
+#include "json.h"
+#include "message.h"
+#include "output.h"
+
+typedef struct summary {
+    float low, high; /* pixels, of the finite values */
+    size_t in_focus; /* pixels with |CoC| < 1 */
+    size_t counted;  /* finite pixels */
+    ddof_stats stats;
+} summary;
+
+static void summarise(const float *coc, size_t count, summary *s) {
+    s->low = INFINITY;
+    s->high = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(coc[i])) continue;
+        s->counted++;
+        s->in_focus += fabsf(coc[i]) < 1;
+        s->low = fminf(s->low, coc[i]);
+        s->high = fmaxf(s->high, coc[i]);
+    }
+}
+
+/* ------------------------------------------------------------------------- as values */
+
+static int write_values(const job *j, const char *path, io_format format, const float *coc) {
+    static const char *const exr_name[] = {"CoC"}, *const grey_name[] = {"Y"};
+    const io_part *part = job_part(j);
+    const int width = j->frame.color.width, height = j->frame.color.height;
+    io_picture *made;
+    io_error error = {0};
+    if (io_create(&made, format, width, height, format == IO_EXR ? exr_name : grey_name, 1, IO_FLOAT, 32, IO_DATA,
+                  &error))
+        return fail("%s: %s", path, error.text);
+    if (format == IO_EXR) {
+        made->part[0].data = part->data;
+        made->part[0].display = part->display;
+        made->part[0].pixel_aspect = part->pixel_aspect;
+    }
+    io_channel_from_float(&made->part[0].channel[0], coc, 1, (size_t)width);
+    int status = output_write(made, path, &j->reading);
+    io_close(&made);
+    return status;
+}
+
+/* ------------------------------------------------------------------------- as false colour */
+
+/* Near orange, far blue, stronger with the blur; |CoC| < 1 greenish; holes magenta. On the picture's luminance, which
+ * is compressed to leave the tints room. */
+static void false_color(float coc, float luminance, float largest, float rgb[3]) {
+    static const float near_tint[3] = {1, 0.22f, 0.02f}, far_tint[3] = {0.03f, 0.2f, 1},
+                       focus_tint[3] = {0.5f, 1, 0.5f};
+    const float light = isfinite(luminance) && luminance > 0 ? luminance / (1 + luminance) : 0;
+    const float size = fabsf(coc);
+    if (!isfinite(coc)) {
+        rgb[0] = rgb[2] = 0.8f;
+        rgb[1] = 0;
+        return;
+    }
+    const float *tint = size < 1 ? focus_tint : coc < 0 ? near_tint : far_tint;
+    /* the square root keeps small blurs visible beside large ones */
+    const float strength = size < 1 ? 0.5f : 0.35f + 0.6f * sqrtf(size / fmaxf(largest, 1));
+    for (int i = 0; i < 3; i++)
+        rgb[i] = light * (1 - strength) + strength * tint[i] * (0.08f + 0.92f * light);
+}
+
+static int read_luminance(const job *j, float gain, float *luminance, float *scratch) {
+    static const float weights[3] = {0.2126f, 0.7152f, 0.0722f}; /* Rec. 709 */
+    const size_t width = (size_t)j->frame.color.width, count = width * (size_t)j->frame.color.height;
+    const int channels = j->color.count > 2 ? 3 : 1;
+    memset(luminance, 0, count * sizeof(float));
+    for (int c = 0; c < channels; c++) {
+        const float weight = gain * (channels == 3 ? weights[c] : 1);
+        io_channel_to_float(job_color(j, c), scratch, 1, width);
+        for (size_t i = 0; i < count; i++)
+            luminance[i] += weight * scratch[i];
+    }
+    return 0;
+}
+
+static int write_false_color(const job *j, const options *o, const char *path, const float *coc, const summary *s) {
+    const io_part *part = job_part(j);
+    const int width = j->frame.color.width, height = j->frame.color.height;
+    const size_t count = (size_t)width * (size_t)height;
+    const float largest = fmaxf(fabsf(s->low), fabsf(s->high));
+    io_picture *made = NULL;
+    float *luminance = malloc(count * sizeof(float)), *values = malloc(count * sizeof(float));
+    int status = luminance && values ? 0 : fail("%s: out of memory for %dx%d pixels", path, width, height);
+    if (status == 0) status = output_create_rgb(&made, part->display.width, part->display.height, path);
+    if (status == 0) status = read_luminance(j, exp2f((float)option_number(o, OPT_EXPOSURE, 0)), luminance, values);
+    for (int c = 0; status == 0 && c < 3; c++) {
+        for (size_t i = 0; i < count; i++) {
+            float rgb[3];
+            false_color(coc[i], luminance[i], largest, rgb);
+            values[i] = rgb[c];
+        }
+        io_box box = {j->frame.offset_x, j->frame.offset_y, width, height};
+        output_place(&made->part[0].channel[c], values, box);
+    }
+    if (status == 0) status = output_write(made, path, &j->reading);
+    io_close(&made);
+    free(luminance);
+    free(values);
+    return status;
+}
+
+/* ------------------------------------------------------------------------- report */
+
+static int report(const job *j, const options *o, const summary *s) {
+    const double share = s->counted ? (double)s->in_focus / (double)s->counted : 0;
+    const char *path = option_text(o, OPT_OUTPUT);
+    if (option_given(o, OPT_JSON)) {
+        cJSON *object = cJSON_CreateObject();
+        json_text(object, "input", o->file[0]);
+        json_text(object, "output", path);
+        json_integer(object, "width", j->frame.color.width);
+        json_integer(object, "height", j->frame.color.height);
+        json_number(object, "coc_min_px", (double)s->low);
+        json_number(object, "coc_max_px", (double)s->high);
+        json_number(object, "in_focus_fraction", share);
+        json_number(object, "focus_distance", s->stats.focus_distance);
+        json_integer(object, "nonfinite_pixels", (double)s->stats.nonfinite_pixels);
+        if (*j->file.entry) json_text(object, "camera_render", j->file.entry);
+        return json_finish(object);
+    }
+    if (option_given(o, OPT_QUIET)) return 0;
+    printf("%s: CoC %.2f to %.2f px, %.1f %% in focus (below 1 px)", path, (double)s->low, (double)s->high,
+           100 * share);
+    if (!j->frame.coc.channels) printf(", focus %.4g", s->stats.focus_distance);
+    printf("\n");
+    return finish_output();
+}
+
+static int work(const job *j, const options *o, session *s, io_format format, float *coc) {
+    const char *path = option_text(o, OPT_OUTPUT);
+    const int width = j->frame.color.width, height = j->frame.color.height;
+    ddof_frame frame = j->frame;
+    frame.color = (ddof_image){0};
+    frame.output = ddof_image_interleaved(coc, width, height, 1, DDOF_FLOAT, 0);
+    summary found = {0};
+    ddof_status done = ddof_coc(s->context, &frame, &j->settings, &found.stats);
+    if (done != DDOF_OK) return session_fail(s, done, job_blame(o, done));
+    if (interrupted()) return fail_interrupted();
+    summarise(coc, (size_t)width * (size_t)height, &found);
+    if (found.counted == 0) return fail("%s: no pixel has finite depth; there is no CoC", o->file[0]);
+    session_note(s, o->file[0]);
+    int status = format == IO_PNG ? write_false_color(j, o, path, coc, &found) : write_values(j, path, format, coc);
+    return status ? status : report(j, o, &found);
+}
+
+int command_coc(const options *o) {
+    job j;
+    session s = {0};
+    io_format format;
+    unsigned mask;
+    int status = output_check(OPT_OUTPUT, option_text(o, OPT_OUTPUT), &format);
+    if (status == 0) status = cpu_mask_of_options(o, &mask);
+    if (status == 0) status = job_open(&j, o, NULL);
+    if (status) return status;
+    float *coc = malloc((size_t)j.frame.color.width * (size_t)j.frame.color.height * sizeof(float));
+    if (!coc)
+        status = fail("%s: out of memory for %dx%d pixels", o->file[0], j.frame.color.width, j.frame.color.height);
+    if (status == 0) status = session_open(&s, o);
+    if (status == 0) status = work(&j, o, &s, format, coc);
+    free(coc);
+    session_close(&s);
+    job_close(&j);
+    return status;
+}

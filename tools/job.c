@@ -1,0 +1,328 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include "job.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "message.h"
+
+/* ------------------------------------------------------------------------- files and channels */
+
+int split_channel(const char *option, const char *text, char **file, const char **channel) {
+    struct stat info;
+    *channel = NULL;
+    *file = strdup(text);
+    if (!*file) return fail("--%s: out of memory", option);
+    if (stat(text, &info) == 0) return 0;
+    for (char *colon = *file + strlen(*file); colon-- > *file;) {
+        if (*colon != ':') continue;
+        *colon = 0;
+        if (colon == *file || stat(*file, &info) == 0) {
+            *channel = text + (colon - *file) + 1;
+            if (**channel) return 0;
+            free(*file);
+            *file = NULL;
+            return fail_usage("--%s: '%s' ends in ':'; name a channel after it or leave it out", option, text);
+        }
+    }
+    free(*file);
+    *file = NULL;
+    return fail("--%s: %s: no such file; give FILE or FILE:CHANNEL", option, text);
+}
+
+const io_part *job_part(const job *j) {
+    return &j->input->part[j->color.part];
+}
+
+io_channel *job_color(const job *j, int i) {
+    return &job_part(j)->channel[j->color.channel[i]];
+}
+
+static const io_picture *blur_picture(const job *j) {
+    return j->second ? j->second : j->input;
+}
+
+static io_channel *blur_channel(const job *j) {
+    return &blur_picture(j)->part[j->blur.part].channel[j->blur.channel[0]];
+}
+
+static const char *blur_option(const options *o) {
+    return option_given(o, OPT_COC) ? "coc" : "depth";
+}
+
+/* Luma and chroma of different sizes are no linear channels of their own: blurring Y alone would leave the colours
+ * sharp. */
+static int check_color(const job *j) {
+    const io_part *part = job_part(j);
+    for (int i = 0; i < j->color.count; i++) {
+        const io_channel *channel = job_color(j, i);
+        if (channel->x_sampling != 1 || channel->y_sampling != 1)
+            return fail("%s: channel %s is subsampled; convert the picture to R G B first", j->input->path,
+                        channel->name);
+        if (channel->type == IO_UINT)
+            return fail("%s: channel %s holds integers, not colour; choose another with --layer", j->input->path,
+                        channel->name);
+    }
+    if (j->color.count > 2) return 0;
+    for (int i = 0; i < part->channel_count; i++) {
+        const char *dot = strrchr(part->channel[i].name, '.'), *name = dot ? dot + 1 : part->channel[i].name;
+        if (strcmp(name, "RY") == 0 || strcmp(name, "BY") == 0)
+            return fail("%s: has luma and chroma (Y RY BY), not colours; convert the picture to R G B first",
+                        j->input->path);
+    }
+    return 0;
+}
+
+static int open_input(job *j, const options *o) {
+    io_error error = {0};
+    if (io_open(&j->input, o->file[0], IO_COLOR, &j->reading, &error)) return fail("%s", error.text);
+    if (io_select_color(j->input, option_text(o, OPT_LAYER), &j->color, &error)) return fail("%s", error.text);
+    return check_color(j);
+}
+
+/* The CoC of a file has no convention for its name but ours. */
+static int select_coc(job *j, const char *name, io_error *error) {
+    if (!name && io_select_depth(blur_picture(j), "CoC", NULL, &j->blur, error) == 0) return 0;
+    return io_select_depth(blur_picture(j), name, j->second ? NULL : &j->color, &j->blur, error);
+}
+
+static int select_depth(job *j, const char *name, io_error *error) {
+    const io_selection *near_color = j->second ? NULL : &j->color;
+    /* the camera file's channel is a hint: "Z" there may be "ViewLayer.Depth.Z" in the file */
+    if (!name && *j->file.depth_channel &&
+        io_select_depth(blur_picture(j), j->file.depth_channel, near_color, &j->blur, error) == 0)
+        return 0;
+    return io_select_depth(blur_picture(j), name, near_color, &j->blur, error);
+}
+
+static int open_blur(job *j, const options *o) {
+    bool coc = option_given(o, OPT_COC);
+    const char *text = option_text(o, coc ? OPT_COC : OPT_DEPTH), *name = NULL;
+    io_error error = {0};
+    if (text) {
+        char *file;
+        int status = split_channel(blur_option(o), text, &file, &name);
+        if (status) return status;
+        int bad = *file ? io_open(&j->second, file, IO_DATA, &j->reading, &error) : 0;
+        free(file);
+        if (bad) return fail("--%s: %s", blur_option(o), error.text);
+    }
+    int bad = coc ? select_coc(j, name, &error) : select_depth(j, name, &error);
+    if (bad && text) return fail("--%s: %s", blur_option(o), error.text);
+    if (bad) return fail("%s (--depth FILE[:CHANNEL], or --coc FILE)", error.text);
+    const io_channel *channel = blur_channel(j);
+    for (int i = 0; !j->second && j->blur.part == j->color.part && i < j->color.count; i++)
+        if (j->color.channel[i] == j->blur.channel[0])
+            return fail("%s: has no depth beside its colour (channel %s); give --depth FILE or --coc FILE",
+                        j->input->path, channel->name);
+    if (channel->x_sampling != 1 || channel->y_sampling != 1)
+        return fail("--%s: channel %s of %s is subsampled; use a channel of full size", blur_option(o), channel->name,
+                    blur_picture(j)->path);
+    return 0;
+}
+
+/* An integer file holds 0..1, which is never a distance by itself. */
+static int check_integer_depth(const job *j, const options *o) {
+    const io_picture *picture = blur_picture(j);
+    const io_channel *channel = blur_channel(j);
+    bool integer = picture->format == IO_PNG ||
+                   (picture->format == IO_TIFF && channel->type == IO_FLOAT && picture->part[j->blur.part].bits <= 16);
+    if (!integer || option_given(o, OPT_COC) || option_given(o, OPT_DEPTH_KIND)) return 0;
+    return fail_usage("--depth-kind: missing; %s holds values from 0 to 1: say what they mean with --depth-kind "
+                      "normalized or device (disparity), --near Z and --far Z",
+                      picture->path);
+}
+
+/* ------------------------------------------------------------------------- one grid */
+
+/* Where a part's pixels lie in its picture. */
+static io_box box_in_picture(const io_part *part) {
+    io_box box = part->data;
+    box.x -= part->display.x;
+    box.y -= part->display.y;
+    return box;
+}
+
+/* The place in the depth's or CoC's channel that belongs to the colour's first pixel. The two agree when they have one
+ * size, or when the colour is a window into a picture of which the depth covers more. */
+static int align_blur(const job *j, const options *o, ptrdiff_t *first) {
+    const io_part *color = job_part(j), *blur = &blur_picture(j)->part[j->blur.part];
+    const io_channel *channel = blur_channel(j);
+    const io_box c = box_in_picture(color), b = box_in_picture(blur);
+    const io_channel *picture = job_color(j, 0);
+    *first = 0;
+    bool one_display = color->display.width == blur->display.width && color->display.height == blur->display.height;
+    bool one_size = channel->width == picture->width && channel->height == picture->height;
+    if (one_size && (!one_display || (b.x == c.x && b.y == c.y))) return 0;
+    bool covers = b.x <= c.x && b.y <= c.y && b.x + (int64_t)b.width >= c.x + (int64_t)c.width &&
+                  b.y + (int64_t)b.height >= c.y + (int64_t)c.height;
+    if (one_display && covers) {
+        *first = (ptrdiff_t)(c.y - b.y) * channel->width + (c.x - b.x);
+        return 0;
+    }
+    const char *what = option_given(o, OPT_COC) ? "CoC" : "depth";
+    if (one_size)
+        return fail("%s: its %s lies elsewhere in the picture (data window at %d,%d) than the colour of %s (at %d,%d); "
+                    "give a %s of the same place",
+                    blur_picture(j)->path, what, b.x, b.y, j->input->path, c.x, c.y, what);
+    return fail("%s: its %s is %dx%d, but the colour of %s is %dx%d; give a %s of the same size", blur_picture(j)->path,
+                what, channel->width, channel->height, j->input->path, picture->width, picture->height, what);
+}
+
+/* ------------------------------------------------------------------------- pixels */
+
+static int read_pixels(job *j, bool rewrite) {
+    io_error error = {0};
+    const char *names[5];
+    int count = 0;
+    for (int i = 0; i < j->color.count; i++)
+        names[count++] = job_color(j, i)->name;
+    const char *blur_name = blur_channel(j)->name;
+    bool same_part = !j->second && j->blur.part == j->color.part;
+    if (same_part) names[count++] = blur_name;
+    /* a part is written again with all its channels, so all of them are needed */
+    if (io_read_channels(j->input, j->color.part, rewrite ? NULL : names, rewrite ? 0 : count, &error))
+        return fail("%s", error.text);
+    io_picture *other = j->second ? j->second : j->input;
+    if (!same_part && io_read_channels(other, j->blur.part, &blur_name, 1, &error)) return fail("%s", error.text);
+    return 0;
+}
+
+const char *job_blame(const options *o, ddof_status status) {
+    return status == DDOF_ERROR_INVALID && option_given(o, OPT_FOCUS_AT) ? "--focus-at" : o->file[0];
+}
+
+ddof_plane plane_of_channel(const io_channel *channel) {
+    return (ddof_plane){.data = channel->data, .type = channel->type == IO_HALF ? DDOF_HALF : DDOF_FLOAT};
+}
+
+static int describe_color(job *j) {
+    const io_part *part = job_part(j);
+    const io_channel *first = job_color(j, 0);
+    const io_box box = box_in_picture(part);
+    ddof_image *image = &j->frame.color;
+    *image = (ddof_image){.width = first->width, .height = first->height, .channels = j->color.count};
+    for (int i = 0; i < j->color.count; i++)
+        image->plane[i] = plane_of_channel(job_color(j, i));
+    j->frame.picture_width = part->display.width;
+    j->frame.picture_height = part->display.height;
+    j->frame.offset_x = box.x;
+    j->frame.offset_y = box.y;
+    j->frame.pixel_aspect = part->pixel_aspect;
+    return 0;
+}
+
+static int describe_blur(job *j, const options *o, ptrdiff_t first) {
+    const io_channel *channel = blur_channel(j), *color = job_color(j, 0);
+    const size_t count = (size_t)channel->width * (size_t)channel->height;
+    const float scale = (float)option_number(o, OPT_COC_SCALE, 1);
+    ddof_image image = {.width = color->width, .height = color->height, .channels = 1};
+    image.plane[0] = plane_of_channel(channel);
+    if (channel->type == IO_UINT || scale != 1) {
+        j->converted = malloc(count * sizeof(float));
+        if (!j->converted) return fail("%s: out of memory for %zu pixels", blur_picture(j)->path, count);
+        io_channel_to_float(channel, j->converted, 1, (size_t)channel->width);
+        for (size_t i = 0; scale != 1 && i < count; i++)
+            j->converted[i] *= scale;
+        image.plane[0] = (ddof_plane){.data = j->converted};
+    }
+    const size_t value = image.plane[0].type == DDOF_HALF ? 2 : 4;
+    image.plane[0].data = (char *)image.plane[0].data + first * (ptrdiff_t)value;
+    image.plane[0].row_stride = (ptrdiff_t)((size_t)channel->width * value);
+    *(option_given(o, OPT_COC) ? &j->frame.coc : &j->frame.depth) = image;
+    return 0;
+}
+
+/* --focus-at is a place in the picture, the library's focus a place in the image. */
+static int place_focus(job *j, const options *o) {
+    if (!option_given(o, OPT_FOCUS_AT)) return 0;
+    const option_value *at = &o->value[OPT_FOCUS_AT];
+    const int width = j->frame.picture_width, height = j->frame.picture_height;
+    double x = at->percent ? at->number / 100 * width : at->number;
+    double y = at->percent_y ? at->number_y / 100 * height : at->number_y;
+    /* 100 % is the far edge of the last pixel */
+    x = floor(at->percent ? fmin(x, width - 1) : x);
+    y = floor(at->percent_y ? fmin(y, height - 1) : y);
+    double column = x - j->frame.offset_x, row = y - j->frame.offset_y;
+    if (x >= width || y >= height)
+        return fail_usage("--focus-at: %s lies outside of %s, which is %dx%d; count from 0,0 at the top left", at->text,
+                          j->input->path, width, height);
+    if (column < 0 || row < 0 || column >= j->frame.color.width || row >= j->frame.color.height)
+        return fail_usage("--focus-at: %s holds no pixel there: its data window is %dx%d at %d,%d", j->input->path,
+                          j->frame.color.width, j->frame.color.height, j->frame.offset_x, j->frame.offset_y);
+    j->settings.lens.focus_x = (int)column;
+    j->settings.lens.focus_y = (int)row;
+    return 0;
+}
+
+/* ------------------------------------------------------------------------- all of it */
+
+static int open_and_check(job *j, const options *o, ptrdiff_t *first) {
+    int status = lens_check_options(o);
+    if (status == 0 && option_given(o, OPT_CAMERA))
+        status = camera_read(&j->file, option_text(o, OPT_CAMERA), option_text(o, OPT_RENDER), o->file[0]);
+    if (status == 0) status = open_input(j, o);
+    if (status == 0) status = open_blur(j, o);
+    if (status == 0) status = check_integer_depth(j, o);
+    if (status == 0 && !option_given(o, OPT_COC))
+        status = lens_settings(&j->settings, o, &j->file, job_part(j)->display.width);
+    if (status == 0) status = align_blur(j, o, first);
+    return status;
+}
+
+int job_open(job *j, const options *o, const io_format *rewrite) {
+    *j = (job){.reading.threads = (int)option_number(o, OPT_THREADS, 0)};
+    const double begin = now_ms();
+    ptrdiff_t first = 0;
+    int status = open_and_check(j, o, &first);
+    method_settings(&j->settings, o);
+    if (status == 0) status = read_pixels(j, rewrite && *rewrite == j->input->format);
+    j->decode_ms = now_ms() - begin;
+    if (status == 0) status = describe_color(j);
+    if (status == 0) status = describe_blur(j, o, first);
+    if (status == 0) status = place_focus(j, o);
+    if (status == 0 && interrupted()) status = fail_interrupted();
+    if (status) job_close(j);
+    return status;
+}
+
+void job_close(job *j) {
+    io_close(&j->input);
+    io_close(&j->second);
+    free(j->converted);
+    *j = (job){0};
+}
+
+bool job_coc_range(const job *j, session *s, double focus, float *low, float *high) {
+    enum { ROWS = 32 };
+    const int width = j->frame.color.width, height = j->frame.color.height;
+    float *strip = malloc((size_t)width * ROWS * sizeof(float));
+    if (!strip) return false;
+    ddof_settings settings = j->settings;
+    settings.lens.focus = DDOF_FOCUS_DISTANCE; /* the pixel may lie outside the strip */
+    settings.lens.focus_distance = focus;
+    ddof_image blur = j->frame.coc.channels ? j->frame.coc : j->frame.depth;
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (int y = 0; y < height; y += ROWS) {
+        ddof_frame frame = j->frame;
+        const int rows = height - y < ROWS ? height - y : ROWS;
+        frame.color = (ddof_image){0};
+        frame.offset_y += y;
+        frame.output = ddof_image_interleaved(strip, width, rows, 1, DDOF_FLOAT, 0);
+        blur.height = rows;
+        *(j->frame.coc.channels ? &frame.coc : &frame.depth) = blur;
+        if (ddof_coc(s->context, &frame, &settings, NULL) != DDOF_OK) break;
+        for (size_t i = 0; i < (size_t)width * (size_t)rows; i++) {
+            if (strip[i] < *low) *low = strip[i];
+            if (strip[i] > *high) *high = strip[i];
+        }
+        blur.plane[0].data = (char *)blur.plane[0].data + rows * blur.plane[0].row_stride;
+    }
+    free(strip);
+    return *low <= *high && isfinite(*low) && isfinite(*high);
+}

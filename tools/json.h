@@ -1,0 +1,21 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* The JSON objects the commands print. Members are never removed or renamed, only added. */
+#ifndef TOOLS_JSON_H
+#define TOOLS_JSON_H
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+
+/* Numbers that JSON cannot hold (infinite, NaN) become null. */
+void json_number(cJSON *object, const char *key, double number);
+void json_integer(cJSON *object, const char *key, double number);
+/* Text that is no valid UTF-8 (a file name may be anything) gets '?' for what is wrong. */
+void json_text(cJSON *object, const char *key, const char *text);
+cJSON *json_text_item(const char *text);
+
+/* Prints and frees the object; returns 0 or an exit code. */
+int json_finish(cJSON *object);
+
+#endif

@@ -1,0 +1,26 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Options and camera file -> the library's settings. Options win over the camera file. */
+#ifndef TOOLS_LENS_H
+#define TOOLS_LENS_H
+
+#include <ddof/ddof.h>
+
+#include "camera.h"
+#include "options.h"
+
+/* What can be said without looking at a picture: options that exclude each other. Returns 0 or an exit code. */
+int lens_check_options(const options *o);
+
+/* Fills settings->lens and ->depth, but for focus_x and focus_y. `picture_width`: of the display window, pixels.
+ * Returns 0 or an exit code. */
+int lens_settings(ddof_settings *settings, const options *o, const camera *file, int picture_width);
+
+/* Conductance and substeps. */
+void method_settings(ddof_settings *settings, const options *o);
+
+/* One line for people: "85 mm f/2, focus 4", into text. `focus`: what the library focused on. */
+void lens_describe(char *text, size_t size, const ddof_settings *settings, double focus, int picture_width);
+
+#endif

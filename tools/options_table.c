@@ -1,0 +1,136 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include "options.h"
+
+#include <math.h>
+
+enum {
+    R = 1 << COMMAND_RENDER,
+    C = 1 << COMMAND_COC,
+    I = 1 << COMMAND_INFO,
+    M = 1 << COMMAND_COMPARE,
+    B = 1 << COMMAND_BENCH,
+    ALL = R | C | I | M | B
+};
+
+/* One option, one or two lines; the order is that of --help. */
+/* clang-format off */
+const option_spec option_table[OPT_COUNT] = {
+    [OPT_OUTPUT] = {"output", 'o', KIND_TEXT, "FILE", "out.exr",
+        "the picture to write: .exr .png .tif .tiff .pfm", R | C, 0, 0, 0, NULL},
+    [OPT_LAYER] = {"layer", 0, KIND_TEXT, "NAME", "beauty",
+        "colour layer or part (default: R G B A, then the first layer that has them)", R | C | I | M, 0, 0, 0, NULL},
+
+    [OPT_DEPTH] = {"depth", 0, KIND_TEXT, "FILE[:CHANNEL]", "depth.exr:Z",
+        "depth from another file, or :CHANNEL of IN (default: the depth channel of IN)", R | C | I, 0, 0, 0, NULL},
+    [OPT_DEPTH_KIND] = {"depth-kind", 0, KIND_CHOICE, "KIND", "planar",
+        "planar|ray|inverse|normalized|device: what depth values mean (default planar)", R | C, 0, 0, 0,
+        "planar|ray|inverse|normalized|device"},
+    [OPT_NEAR] = {"near", 0, KIND_NUMBER_OR_INF, "Z", "0.5",
+        "distance meant by depth 0, for normalized and device (no default)", R | C, 0, INFINITY, true, NULL},
+    [OPT_FAR] = {"far", 0, KIND_NUMBER_OR_INF, "Z", "50",
+        "distance meant by depth 1; exchange the two when white is near (no default)", R | C, 0, INFINITY, true, NULL},
+    [OPT_COC] = {"coc", 0, KIND_TEXT, "FILE[:CHANNEL]", "coc.exr",
+        "signed CoC (diameter, pixels, negative is near) instead of depth and lens", R | C, 0, 0, 0, NULL},
+    [OPT_COC_SCALE] = {"coc-scale", 0, KIND_NUMBER, "F", "2",
+        "multiply the values of --coc, e.g. 2 for radii, -1 to change sides (default 1)", R | C, -1e6, 1e6, false, NULL},
+
+    [OPT_CAMERA] = {"camera", 0, KIND_TEXT, "FILE.json", "scene.json",
+        "camera, focus and depth convention from a scene.json; options given here win", R | C, 0, 0, 0, NULL},
+    [OPT_RENDER] = {"render", 0, KIND_TEXT, "NAME", "dof_f2.exr",
+        "the entry of --camera to take f-number and focus from (default: same frame, first with DoF)", R | C, 0, 0, 0, NULL},
+    [OPT_FOCAL_LENGTH] = {"focal-length", 0, KIND_NUMBER, "MM", "85",
+        "focal length of the lens (default 50 when --fstop is given)", R | C, 0, 1e6, true, NULL},
+    [OPT_SENSOR_WIDTH] = {"sensor-width", 0, KIND_NUMBER, "MM", "36",
+        "width of the sensor (default 36)", R | C, 0, 1e6, true, NULL},
+    [OPT_FSTOP] = {"fstop", 0, KIND_NUMBER, "N", "2.8",
+        "f-number of the lens (no default)", R | C, 0, 1e6, true, NULL},
+    [OPT_UNIT] = {"unit", 0, KIND_NUMBER, "MM", "1000",
+        "millimetres in one unit of depth and focus (default 1000: metres)", R | C, 0, 1e9, true, NULL},
+    [OPT_FOCUS] = {"focus", 0, KIND_NUMBER_OR_INF, "DIST", "3.2",
+        "focus distance in the depth's unit, or inf (no default)", R | C, 0, INFINITY, true, NULL},
+    [OPT_FOCUS_AT] = {"focus-at", 0, KIND_POINT, "X,Y", "50%,50%",
+        "focus on what is seen at this pixel, or P%,P% of the picture (no default)", R | C, 0, 1 << 20, false, NULL},
+    [OPT_FOCUS_RANGE] = {"focus-range", 0, KIND_NUMBER, "DIST", "0.4",
+        "depth kept sharp around the focus, in the depth's unit (default 0)", R | C, 0, 1e9, false, NULL},
+    [OPT_MAX_COC] = {"max-coc", 0, KIND_EXTENT, "PX", "40",
+        "largest blur, pixels or P% of the width: a limit with --fstop (default none), else the blur itself", R | C, 0, 1e5,
+        false, NULL},
+    [OPT_MAX_COC_NEAR] = {"max-coc-near", 0, KIND_EXTENT, "PX", "20",
+        "the same before the focus only (default --max-coc)", R | C, 0, 1e5, false, NULL},
+    [OPT_MAX_COC_FAR] = {"max-coc-far", 0, KIND_EXTENT, "PX", "2%",
+        "the same behind the focus only (default --max-coc)", R | C, 0, 1e5, false, NULL},
+
+    [OPT_MASK] = {"mask", 0, KIND_TEXT, "FILE", "mask.png",
+        "also measure inside (values of 0.5 and more) and outside of this mask", M, 0, 0, 0, NULL},
+
+    [OPT_SIZE] = {"size", 0, KIND_SIZE, "WxH", "1920x1080",
+        "picture size, pixels (default 1920x1080)", B, 1, 1 << 20, false, NULL},
+    [OPT_RUNS] = {"runs", 0, KIND_INTEGER, "N", "31",
+        "timed repetitions (default 31)", B, 1, 100000, false, NULL},
+    [OPT_TYPE] = {"type", 0, KIND_CHOICE, "TYPE", "float",
+        "float|half: type of the picture's channels (default float)", B, 0, 0, 0, "float|half"},
+    [OPT_LAYOUT] = {"layout", 0, KIND_CHOICE, "LAYOUT", "planar",
+        "interleaved|planar: how the channels lie in memory (default interleaved)", B, 0, 0, 0, "interleaved|planar"},
+    [OPT_CHANNELS] = {"channels", 0, KIND_INTEGER, "N", "4",
+        "channels of the picture, 1 to 4 (default 4)", B, 1, 4, false, NULL},
+    [OPT_IN_PLACE] = {"in-place", 0, KIND_FLAG, NULL, NULL,
+        "write the result over the picture", B, 0, 0, 0, NULL},
+    [OPT_BENCH_COC] = {"coc", 0, KIND_NUMBER, "PX", "48",
+        "largest CoC of the made-up picture, pixels (default 48)", B, 0, 1e5, false, NULL},
+    [OPT_BENCH_DEPTH] = {"depth", 0, KIND_FLAG, NULL, NULL,
+        "give depth and a lens instead of a CoC image", B, 0, 0, 0, NULL},
+
+    [OPT_CONDUCTANCE] = {"conductance", 0, KIND_CHOICE, "LAW", "matched",
+        "matched: as wide as the lens's disc; classic: beta = CoC squared, wider (default matched)", R | B, 0, 0, 0,
+        "matched|classic"},
+    [OPT_SUBSTEPS] = {"substeps", 0, KIND_INTEGER, "N", "2",
+        "1 to 64: more make the blur rounder, at that many times the cost (default 1)", R | B, 1, 64, false, NULL},
+    [OPT_PREVIEW] = {"preview", 0, KIND_TEXT, "FILE.png", "preview.png",
+        "also write before and after side by side, as sRGB", R, 0, 0, 0, NULL},
+    [OPT_EXPOSURE] = {"exposure", 0, KIND_NUMBER, "STOPS", "1.5",
+        "brighten --preview and false colour, -30 to 30 stops (default 0)", R | C, -30, 30, false, NULL},
+
+    [OPT_THREADS] = {"threads", 0, KIND_INTEGER, "N", "4",
+        "threads, 0 to 256; results do not depend on it (default 0: all there are)", ALL, 0, 256, false, NULL},
+    [OPT_BACKEND] = {"backend", 0, KIND_CHOICE, "NAME", "cpu",
+        "auto|cpu|reference: what does the work (default auto)", R | C | B, 0, 0, 0, "auto|cpu|reference"},
+    [OPT_CPU] = {"cpu", 0, KIND_CPUS, "LIST", "baseline,avx2",
+        "allowed instruction sets of all|baseline|avx2|avx512|neon, by commas (default all)", R | C | B, 0, 0, 0,
+        "baseline|avx2|avx512|neon|all"},
+    [OPT_QUIET] = {"quiet", 'q', KIND_FLAG, NULL, NULL,
+        "only errors; --json still prints its object", ALL, 0, 0, 0, NULL},
+    [OPT_JSON] = {"json", 0, KIND_FLAG, NULL, NULL,
+        "print one JSON object on standard output", ALL, 0, 0, 0, NULL},
+    [OPT_HELP] = {"help", 'h', KIND_FLAG, NULL, NULL,
+        "this text", ALL, 0, 0, 0, NULL},
+};
+/* clang-format on */
+
+const command_spec command_table[COMMAND_COUNT] = {
+    [COMMAND_RENDER] =
+        {"render", 1, "IN -o OUT", "give a picture the depth of field of a lens",
+         "  ddof render shot.exr -o out.exr --fstop 2.8 --focal-length 85 --focus 3.2\n"
+         "  ddof render shot.exr -o out.exr --fstop 1.4 --focus-at 960,540 --preview before_after.png\n"
+         "  ddof render photo.png -o out.png --depth depth.png --depth-kind device --near 50 --far 0.4 \\\n"
+         "       --focus 2 --max-coc 2%\n"
+         "  ddof render pinhole.exr -o out.exr --camera scene.json --render dof_f2.exr --json\n"
+         "  ddof render shot.exr -o out.exr --coc radius.exr:blur --coc-scale 2\n"},
+    [COMMAND_COC] = {"coc", 1, "IN -o OUT",
+                     "write the signed circle of confusion (EXR, PFM, TIFF), or show it in false colour (PNG)",
+                     "  ddof coc shot.exr -o coc.exr --fstop 2.8 --focal-length 85 --focus 3.2\n"
+                     "  ddof coc shot.exr -o coc.png --camera scene.json\n"
+                     "  ddof coc shot.exr -o coc.pfm --focus-at 50%,50% --max-coc-near 10 --max-coc-far 30\n"},
+    [COMMAND_INFO] = {"info", 1, "IN", "what is in a picture, and what would be used as colour and depth",
+                      "  ddof info shot.exr\n"
+                      "  ddof info shot.exr --layer beauty --depth aovs.exr:depth.Z\n"
+                      "  ddof info shot.exr --json\n"},
+    [COMMAND_COMPARE] = {"compare", 2, "A B", "how far two pictures are apart: PSNR, SSIM, largest error",
+                         "  ddof compare out.exr truth.exr\n"
+                         "  ddof compare out.exr truth.exr --mask subject.png --json\n"},
+    [COMMAND_BENCH] = {"bench", 0, "", "time the solve on a made-up picture, next to a copy of it in memory",
+                       "  ddof bench --size 3840x2160 --threads 1\n"
+                       "  ddof bench --type half --layout planar --in-place\n"
+                       "  ddof bench --coc 1000 --cpu avx2 --json\n"},
+};

@@ -1,0 +1,166 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include "output.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "message.h"
+
+int output_check(option_id option, const char *path, io_format *format) {
+    const char *name = option_table[option].name;
+    if (!io_format_of_name(path, format))
+        return fail_usage("--%s: %s: unknown ending; use .exr, .png, .tif, .tiff or .pfm", name, path);
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        return fail("%s: is a folder; give --%s the name of a file", path, name);
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash - path) + (slash == path)) : strdup(".");
+    if (!folder) return fail("--%s: out of memory", name);
+    int status = 0;
+    if (stat(folder, &info) != 0 || (S_ISDIR(info.st_mode) && access(folder, W_OK | X_OK) != 0))
+        status =
+            fail("%s: folder '%s': %s; give --%s a place that can be written to", path, folder, strerror(errno), name);
+    else if (!S_ISDIR(info.st_mode))
+        status = fail("%s: '%s' is no folder; give --%s a place that can be written to", path, folder, name);
+    free(folder);
+    return status;
+}
+
+/* ------------------------------------------------------------------------- placing */
+
+void output_place(io_channel *to, const float *from, io_box box) {
+    int first = box.x < 0 ? -box.x : 0, last = box.width;
+    if (box.x + (int64_t)box.width > to->width) last = to->width - box.x;
+    if (last <= first) return;
+    float *data = to->data;
+    for (int y = 0; y < box.height; y++) {
+        int64_t row = box.y + (int64_t)y;
+        if (row < 0 || row >= to->height) continue;
+        memcpy(data + row * to->width + box.x + first, from + (size_t)y * (size_t)box.width + first,
+               (size_t)(last - first) * sizeof(float));
+    }
+}
+
+static io_box place_in_display(const io_part *part, const io_channel *channel, int left) {
+    return (io_box){part->data.x - part->display.x + left, part->data.y - part->display.y, channel->width,
+                    channel->height};
+}
+
+static float *channel_values(const io_channel *channel, const char *path) {
+    float *values = malloc((size_t)channel->width * (size_t)channel->height * sizeof(float));
+    if (!values) {
+        fail("%s: out of memory for %dx%d pixels", path, channel->width, channel->height);
+        return NULL;
+    }
+    io_channel_to_float(channel, values, 1, (size_t)channel->width);
+    return values;
+}
+
+/* ------------------------------------------------------------------------- another format */
+
+static void note_losses(const io_picture *input, const io_selection *color, io_format format, const char *path,
+                        int kept) {
+    int channels = 0;
+    for (int i = 0; i < input->part_count; i++)
+        channels += input->part[i].channel_count;
+    const char *range = "";
+    if (format == IO_PNG && input->format != IO_PNG) range = "sRGB-encoded and clipped to 0..1, ";
+    const char *alpha = kept < color->count ? "without alpha, " : "";
+    if (channels > color->count)
+        note("note: %s: %s%s%d other channels and the metadata of %s are left out", path, range, alpha,
+             channels - color->count, input->path);
+    else
+        note("note: %s: %s%sthe metadata of %s is left out", path, range, alpha, input->path);
+}
+
+typedef struct target {
+    io_type type;
+    int bits;
+} target;
+
+/* As precise as the source: 8 bits stay 8 where there are such, half stays half. */
+static target target_of(const io_picture *input, const io_selection *color, io_format format) {
+    const io_part *part = &input->part[color->part];
+    const io_type source = part->channel[color->channel[0]].type;
+    const bool integer =
+        input->format == IO_PNG || (input->format == IO_TIFF && part->bits <= 16 && source == IO_FLOAT);
+    const bool eight = integer && part->bits == 8;
+    if (format == IO_PFM) return (target){IO_FLOAT, 32};
+    if (format == IO_PNG || (format == IO_TIFF && integer)) return (target){IO_FLOAT, eight ? 8 : 16};
+    return eight || source == IO_HALF ? (target){IO_HALF, 16} : (target){IO_FLOAT, 32};
+}
+
+static int convert_channel(io_channel *to, const io_channel *from, const io_part *part, const char *path) {
+    float *values = channel_values(from, path);
+    if (!values) return EXIT_WORK;
+    io_channel whole = *to; /* placed as floats, then given its type */
+    whole.data = calloc((size_t)to->width * (size_t)to->height, sizeof(float));
+    int status = whole.data ? 0 : fail("%s: out of memory for %dx%d pixels", path, to->width, to->height);
+    if (status == 0) {
+        output_place(&whole, values, place_in_display(part, from, 0));
+        io_channel_from_float(to, whole.data, 1, (size_t)to->width);
+    }
+    free(values);
+    free(whole.data);
+    return status;
+}
+
+int output_convert(io_picture **made, const io_picture *input, const io_selection *color, io_format format,
+                   const char *path) {
+    static const char *const rgba[] = {"R", "G", "B", "A"}, *const ya[] = {"Y", "A"};
+    const io_part *part = &input->part[color->part];
+    const int kept = format == IO_PFM && color->alpha ? color->count - 1 : color->count;
+    const target as = target_of(input, color, format);
+    io_error error = {0};
+    if (io_create(made, format, part->display.width, part->display.height, color->count > 2 ? rgba : ya, kept, as.type,
+                  as.bits, IO_COLOR, &error))
+        return fail("%s: %s", path, error.text);
+    int status = 0;
+    for (int i = 0; status == 0 && i < kept; i++)
+        status = convert_channel(&(*made)->part[0].channel[i], &part->channel[color->channel[i]], part, path);
+    if (status)
+        io_close(made);
+    else
+        note_losses(input, color, format, path, kept);
+    return status;
+}
+
+/* ------------------------------------------------------------------------- for the eye */
+
+int output_create_rgb(io_picture **made, int width, int height, const char *path) {
+    static const char *const names[] = {"R", "G", "B"};
+    io_error error = {0};
+    if (io_create(made, IO_PNG, width, height, names, 3, IO_FLOAT, 8, IO_COLOR, &error))
+        return fail("%s: %s", path, error.text);
+    for (int i = 0; i < 3; i++)
+        io_channel_modified(&(*made)->part[0].channel[i]);
+    return 0;
+}
+
+int output_place_color(io_picture *made, int left, const io_picture *input, const io_selection *color, double gain) {
+    const io_part *part = &input->part[color->part];
+    for (int i = 0; i < 3; i++) {
+        const io_channel *from = &part->channel[color->channel[color->count > 2 ? i : 0]];
+        float *values = channel_values(from, input->path);
+        if (!values) return EXIT_WORK;
+        const size_t count = (size_t)from->width * (size_t)from->height;
+        for (size_t k = 0; k < count; k++)
+            values[k] = fminf(fmaxf(values[k] * (float)gain, 0), 1); /* NaN becomes 0 */
+        output_place(&made->part[0].channel[i], values, place_in_display(part, from, left));
+        free(values);
+    }
+    return 0;
+}
+
+int output_write(const io_picture *picture, const char *path, const io_options *writing) {
+    io_error error = {0}, losses = {0};
+    if (io_write(picture, path, writing, &losses, &error)) return fail("%s", error.text);
+    if (*losses.text) note("note: %s", losses.text);
+    return 0;
+}

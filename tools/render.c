@@ -1,0 +1,179 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "job.h"
+#include "json.h"
+#include "message.h"
+#include "output.h"
+
+typedef struct timing {
+    double prepare, solve, encode, preview;
+} timing; /* milliseconds */
+
+typedef struct report {
+    ddof_stats stats;
+    timing time;
+    bool has_range;
+    float coc_low, coc_high;
+} report;
+
+/* ------------------------------------------------------------------------- before and after */
+
+static int preview_width(const job *j) {
+    return 2 * job_part(j)->display.width + job_part(j)->display.width / 100;
+}
+
+static double preview_gain(const options *o) {
+    return exp2(option_number(o, OPT_EXPOSURE, 0));
+}
+
+/* The picture is blurred in place, so its left half is filled while the picture is still sharp. */
+static int preview_begin(io_picture **preview, const job *j, const options *o) {
+    const char *path = option_text(o, OPT_PREVIEW);
+    if (!path) return 0;
+    int status = output_create_rgb(preview, preview_width(j), job_part(j)->display.height, path);
+    return status ? status : output_place_color(*preview, 0, j->input, &j->color, preview_gain(o));
+}
+
+static int preview_end(io_picture *preview, const job *j, const options *o, timing *time) {
+    if (!preview) return 0;
+    const double begin = now_ms();
+    const int right = preview_width(j) - job_part(j)->display.width;
+    int status = output_place_color(preview, right, j->input, &j->color, preview_gain(o));
+    if (status == 0) status = output_write(preview, option_text(o, OPT_PREVIEW), &j->reading);
+    time->preview += now_ms() - begin;
+    return status;
+}
+
+/* ------------------------------------------------------------------------- report */
+
+static void report_human(const job *j, const options *o, const report *r, double total) {
+    char lens[128] = "CoC from --coc", range[64] = "", extra[96] = "";
+    if (!j->frame.coc.channels)
+        lens_describe(lens, sizeof lens, &j->settings, r->stats.focus_distance, j->frame.picture_width);
+    if (r->has_range) snprintf(range, sizeof range, ", CoC %.1f to %.1f px", (double)r->coc_low, (double)r->coc_high);
+    if (*j->file.entry && !option_given(o, OPT_FSTOP)) snprintf(extra, sizeof extra, " (%.80s)", j->file.entry);
+    printf("%s: %dx%d, %s%s%s\n", option_text(o, OPT_OUTPUT), j->frame.color.width, j->frame.color.height, lens, extra,
+           range);
+    printf("solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
+           r->stats.device, r->stats.threads, r->stats.threads == 1 ? "" : "s", j->decode_ms, r->time.encode, total);
+    if (option_given(o, OPT_PREVIEW)) printf("%s: before and after\n", option_text(o, OPT_PREVIEW));
+}
+
+static int report_json(const job *j, const options *o, const session *s, const report *r, double total) {
+    cJSON *object = cJSON_CreateObject();
+    json_text(object, "input", o->file[0]);
+    json_text(object, "output", option_text(o, OPT_OUTPUT));
+    if (option_given(o, OPT_PREVIEW)) json_text(object, "preview", option_text(o, OPT_PREVIEW));
+    json_integer(object, "width", j->frame.color.width);
+    json_integer(object, "height", j->frame.color.height);
+    json_integer(object, "channels", j->frame.color.channels);
+    json_text(object, "backend", s->backend);
+    json_text(object, "device", r->stats.device);
+    json_integer(object, "threads", r->stats.threads);
+    json_number(object, "solve_ms", r->time.solve);
+    json_number(object, "decode_ms", j->decode_ms);
+    json_number(object, "prepare_ms", r->time.prepare);
+    json_number(object, "encode_ms", r->time.encode);
+    json_number(object, "preview_ms", r->time.preview);
+    json_number(object, "total_ms", total);
+    json_integer(object, "nonfinite_pixels", (double)r->stats.nonfinite_pixels);
+    json_number(object, "focus_distance", r->stats.focus_distance);
+    json_number(object, "coc_min_px", r->has_range ? (double)r->coc_low : NAN);
+    json_number(object, "coc_max_px", r->has_range ? (double)r->coc_high : NAN);
+    if (*j->file.entry) json_text(object, "camera_render", j->file.entry);
+    json_integer(object, "scratch_bytes", (double)r->stats.scratch_bytes);
+    json_integer(object, "peak_rss_bytes", (double)peak_rss_bytes());
+    return json_finish(object);
+}
+
+/* ------------------------------------------------------------------------- work */
+
+static int solve(job *j, const options *o, session *s, report *r) {
+    ddof_frame frame = j->frame;
+    frame.output = frame.color;
+    const double begin = now_ms();
+    ddof_status done = ddof_render(s->context, &frame, &j->settings, &r->stats);
+    r->time.solve = now_ms() - begin;
+    progress_clear();
+    if (done != DDOF_OK) return session_fail(s, done, job_blame(o, done));
+    if (interrupted()) return fail_interrupted();
+    const int64_t pixels = (int64_t)frame.color.width * frame.color.height;
+    if (r->stats.nonfinite_pixels == pixels)
+        return fail("%s: no pixel has finite colour and depth; nothing can be rendered", o->file[0]);
+    session_note(s, o->file[0]);
+    for (int i = 0; i < j->color.count; i++)
+        io_channel_modified(job_color(j, i));
+    return 0;
+}
+
+static int encode(const job *j, const options *o, io_format format, timing *time) {
+    const char *path = option_text(o, OPT_OUTPUT);
+    const double begin = now_ms();
+    io_picture *made = NULL;
+    int status = 0;
+    if (format != j->input->format) status = output_convert(&made, j->input, &j->color, format, path);
+    if (status == 0) status = output_write(made ? made : j->input, path, &j->reading);
+    io_close(&made);
+    time->encode = now_ms() - begin;
+    return status;
+}
+
+static int work(job *j, const options *o, session *s, io_format format, report *r) {
+    io_picture *preview = NULL;
+    const double begin = now_ms();
+    int status = preview_begin(&preview, j, o);
+    r->time.preview = now_ms() - begin;
+    if (status == 0) status = solve(j, o, s, r);
+    if (status == 0 && (option_given(o, OPT_JSON) || !option_given(o, OPT_QUIET)))
+        r->has_range = job_coc_range(j, s, r->stats.focus_distance, &r->coc_low, &r->coc_high);
+    if (status == 0) status = encode(j, o, format, &r->time);
+    if (status == 0) status = preview_end(preview, j, o, &r->time);
+    io_close(&preview);
+    return status;
+}
+
+static int check_outputs(const options *o, io_format *format) {
+    const char *path = option_text(o, OPT_OUTPUT), *preview = option_text(o, OPT_PREVIEW);
+    int status = output_check(OPT_OUTPUT, path, format);
+    if (status || !preview) return status;
+    io_format preview_format;
+    status = output_check(OPT_PREVIEW, preview, &preview_format);
+    if (status == 0 && preview_format != IO_PNG)
+        status = fail_usage("--preview: %s: previews are PNG; give it a name that ends in .png", preview);
+    if (status == 0 && strcmp(path, preview) == 0)
+        status = fail_usage("--preview: %s is the output too; give it a name of its own", preview);
+    return status;
+}
+
+int command_render(const options *o, double start) {
+    job j;
+    session s = {0};
+    report r = {0};
+    io_format format;
+    int status = check_outputs(o, &format);
+    if (status) return status;
+    unsigned mask;
+    status = cpu_mask_of_options(o, &mask); /* before minutes of decoding */
+    if (status == 0) status = job_open(&j, o, &format);
+    if (status) return status;
+    const double begin = now_ms();
+    status = session_open(&s, o);
+    r.time.prepare = now_ms() - begin;
+    if (status == 0) status = work(&j, o, &s, format, &r);
+    const double total = now_ms() - start;
+    if (status == 0 && option_given(o, OPT_JSON))
+        status = report_json(&j, o, &s, &r, total);
+    else if (status == 0 && !option_given(o, OPT_QUIET)) {
+        report_human(&j, o, &r, total);
+        status = finish_output();
+    }
+    session_close(&s);
+    job_close(&j);
+    return status;
+}
