@@ -112,7 +112,6 @@ static int read_mask(unsigned char **inside, const char *path, const side *like,
 
 typedef struct region {
     const char *name;
-    size_t pixels;
     metrics_result result;
 } region;
 
@@ -126,19 +125,18 @@ static int measure(comparison *c, const side *a, const side *b, unsigned char *i
     const size_t count = (size_t)a->width * (size_t)a->height;
     c->regions = inside ? 3 : 1;
     for (int r = 0; r < c->regions; r++) {
-        region *at = &c->region[r];
-        if (r == 2)
-            for (size_t i = 0; i < count; i++)
-                inside[i] = !inside[i];
-        *at = (region){.name = names[r], .pixels = count};
-        if (r > 0) {
-            at->pixels = 0;
-            for (size_t i = 0; i < count; i++)
-                at->pixels += inside[i];
-        }
-        if (metrics_compare(&at->result, a->rgb, b->rgb, a->width, a->height, r > 0 ? inside : NULL))
+        for (size_t i = 0; r == 2 && i < count; i++)
+            inside[i] = !inside[i];
+        c->region[r].name = names[r];
+        if (metrics_compare(&c->region[r].result, a->rgb, b->rgb, a->width, a->height, r > 0 ? inside : NULL))
             return fail("%s: out of memory to compare %dx%d pixels", a->picture->path, a->width, a->height);
     }
+    const metrics_result *all = &c->region[0].result;
+    if (all->pixels == 0)
+        return fail("%s: no pixel is finite in both pictures; there is nothing to compare", b->picture->path);
+    if (all->nonfinite)
+        note("note: %zu pixels are NaN or infinite in %s or %s and do not count", all->nonfinite, a->picture->path,
+             b->picture->path);
     return 0;
 }
 
@@ -146,7 +144,7 @@ static int measure(comparison *c, const side *a, const side *b, unsigned char *i
 
 /* Equal pictures have no finite PSNR; a number is kinder to those who compare it with a threshold. */
 static double limited(double psnr) {
-    return psnr < 999 ? psnr : 999;
+    return psnr > 999 ? 999 : psnr; /* NaN, where nothing was counted, stays NaN */
 }
 
 static void add_result(cJSON *object, const metrics_result *result) {
@@ -155,6 +153,8 @@ static void add_result(cJSON *object, const metrics_result *result) {
     json_number(object, "psnr_tonemapped", limited(result->psnr_tonemapped));
     json_number(object, "ssim_tonemapped", result->ssim_tonemapped);
     json_number(object, "max_error", result->max_error);
+    json_integer(object, "pixels", (double)result->pixels);
+    json_integer(object, "nonfinite_pixels", (double)result->nonfinite);
 }
 
 static int report_json(const comparison *c, const options *o) {
@@ -162,13 +162,11 @@ static int report_json(const comparison *c, const options *o) {
     json_text(object, "a", o->file[0]);
     json_text(object, "b", o->file[1]);
     add_result(object, &c->region[0].result);
-    json_integer(object, "pixels", (double)c->region[0].pixels);
     if (c->regions > 1) {
         cJSON *list = cJSON_CreateArray();
         for (int r = 1; r < c->regions; r++) {
             cJSON *item = cJSON_CreateObject();
             json_text(item, "name", c->region[r].name);
-            json_integer(item, "pixels", (double)c->region[r].pixels);
             add_result(item, &c->region[r].result);
             cJSON_AddItemToArray(list, item);
         }
@@ -182,8 +180,8 @@ static int report_human(const comparison *c) {
            "max error");
     for (int r = 0; r < c->regions; r++) {
         const metrics_result *m = &c->region[r].result;
-        printf("%-8s %10zu %8.2f %8.4f %14.2f %14.4f %10.4g\n", c->region[r].name, c->region[r].pixels,
-               limited(m->psnr), m->ssim, limited(m->psnr_tonemapped), m->ssim_tonemapped, m->max_error);
+        printf("%-8s %10zu %8.2f %8.4f %14.2f %14.4f %10.4g\n", c->region[r].name, m->pixels, limited(m->psnr), m->ssim,
+               limited(m->psnr_tonemapped), m->ssim_tonemapped, m->max_error);
     }
     return finish_output();
 }
