@@ -50,7 +50,8 @@ void io_decode_row(const io_coding *coding, float *const *colour, int colours, c
     for (int c = 0; c < colours; c++) {
         float *v = colour[c];
         if (coding->alpha == IO_ALPHA_STRAIGHT) {
-            for (int x = 0; x < width; x++) v[x] *= alpha[x];
+            for (int x = 0; x < width; x++)
+                v[x] *= alpha[x];
         } else if (coding->curve != IO_CURVE_LINEAR) {
             /* Light without coverage (alpha 0, a glow) has no straight colour: the curve alone. */
             for (int x = 0; x < width; x++)
@@ -89,9 +90,12 @@ uint64_t io_quantize(const float *encoded, int width, int bits, bool inverted, v
         }
         uint32_t q = (uint32_t)v;
         if (inverted) q = (uint32_t)maximum - q;
-        if (bits == 8) ((uint8_t *)out)[(size_t)x * step] = (uint8_t)q;
-        else if (bits == 16) ((uint16_t *)out)[(size_t)x * step] = (uint16_t)q;
-        else ((uint32_t *)out)[(size_t)x * step] = q;
+        if (bits == 8)
+            ((uint8_t *)out)[(size_t)x * step] = (uint8_t)q;
+        else if (bits == 16)
+            ((uint16_t *)out)[(size_t)x * step] = (uint16_t)q;
+        else
+            ((uint32_t *)out)[(size_t)x * step] = q;
     }
     return clamped;
 }

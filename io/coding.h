@@ -13,13 +13,14 @@
 typedef enum io_curve {
     IO_CURVE_LINEAR, /* none: data, or a file that says its gamma is 1 */
     IO_CURVE_SRGB,
-    IO_CURVE_POWER   /* encoded = linear^power */
+    IO_CURVE_POWER /* encoded = linear^power */
 } io_curve;
 
 typedef enum io_alpha {
     IO_ALPHA_NONE,      /* no alpha, or one that has nothing to do with the colour */
     IO_ALPHA_STRAIGHT,  /* colour in the file is not multiplied by alpha */
-    IO_ALPHA_ASSOCIATED /* encoded colour was multiplied by alpha after it was encoded (TIFF 6.0, as its writers do it) */
+    IO_ALPHA_ASSOCIATED /* encoded colour was multiplied by alpha after it was encoded (TIFF 6.0, as its writers do it)
+                         */
 } io_alpha;
 
 typedef struct io_coding {
@@ -42,8 +43,8 @@ void io_decode_row(const io_coding *coding, float *const *colour, int colours, c
 /* Back: linear and premultiplied -> encoded, in place. Where alpha is 0 straight colour has no value and becomes 0. */
 void io_encode_row(const io_coding *coding, float *const *colour, int colours, const float *alpha, int width);
 
-/* Encoded -> 8, 16 or 32 bit integers in the machine's byte order, `step` samples apart. Clamped to 0..maximum, NaN is 0.
- * Returns how many values had to be clamped by more than rounding. */
+/* Encoded -> 8, 16 or 32 bit integers in the machine's byte order, `step` samples apart. Clamped to 0..maximum, NaN is
+ * 0. Returns how many values had to be clamped by more than rounding. */
 uint64_t io_quantize(const float *encoded, int width, int bits, bool inverted, void *out, size_t step);
 
 /* `count` pixels of a channel from (x, y) on as floats, whatever its type. */

@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The EXR format in the table of formats. The work: exr_header.c, exr_layout.c, exr_codec.c, exr_read.c, exr_write.c. */
+/* The EXR format in the table of formats. The work: exr_header.c, exr_layout.c, exr_codec.c, exr_read.c, exr_write.c.
+ */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -11,14 +12,14 @@
 
 #include "exr.h"
 
-static bool exr_matches(const unsigned char *head, size_t size) { return size >= 4 && io_get32(head) == IO_EXR_MAGIC; }
+static bool exr_matches(const unsigned char *head, size_t size) {
+    return size >= 4 && io_get32(head) == IO_EXR_MAGIC;
+}
 
 static void exr_close(io_picture *picture) {
     io_exr_source *source = io_exr_source_of(picture);
-    if (!source)
-        return;
-    if (source->file >= 0)
-        close(source->file);
+    if (!source) return;
+    if (source->file >= 0) close(source->file);
     io_exr_free_parts(source);
     free(source->header);
     free(source);
@@ -33,8 +34,7 @@ static io_exr_source *new_source(io_picture *picture, const io_options *options,
     }
     source->file = -1;
     source->version = IO_EXR_VERSION;
-    if (options)
-        source->options = *options;
+    if (options) source->options = *options;
     picture->source = (struct io_source *)source;
     return source;
 }
@@ -61,32 +61,26 @@ static int read_version(const io_picture *picture, io_exr_source *source, io_err
 static int exr_open(io_picture *picture, io_meaning meaning, const io_options *options, io_error *error) {
     (void)meaning; /* EXR is scene-linear */
     io_exr_source *source = new_source(picture, options, error);
-    if (!source || read_version(picture, source, error) != 0)
-        return -1;
+    if (!source || read_version(picture, source, error) != 0) return -1;
     for (uint64_t size = 1 << 16;; size *= 4) {
         bool complete = size >= source->length - 8;
-        if (complete)
-            size = source->length - 8;
+        if (complete) size = source->length - 8;
         unsigned char *header = realloc(source->header, (size_t)size + 1);
-        if (!header)
-            return io_fail(error, "%s: not enough memory", picture->path);
+        if (!header) return io_fail(error, "%s: not enough memory", picture->path);
         source->header = header;
         source->header_size = (size_t)size;
         if (!io_exr_pread(source->file, header, size, 8))
             return io_fail(error, "%s: cannot be read: %s", picture->path, strerror(errno));
         int result = io_exr_parse(picture, source, complete, error);
-        if (result <= 0)
-            return result;
+        if (result <= 0) return result;
     }
 }
 
 static int exr_read(io_picture *picture, int index, const char *const *names, int name_count, io_error *error) {
     io_part *part = &picture->part[index];
-    if (part->deep)
-        return io_fail(error, "%s: part %d is deep; flatten it first", picture->path, index);
+    if (part->deep) return io_fail(error, "%s: part %d is deep; flatten it first", picture->path, index);
     bool *wanted = calloc((size_t)part->channel_count, sizeof *wanted), any = false;
-    if (!wanted)
-        return io_fail(error, "%s: not enough memory", picture->path);
+    if (!wanted) return io_fail(error, "%s: not enough memory", picture->path);
     int result = 0;
     for (int n = 0; result == 0 && n < (names ? name_count : 1); n++) {
         bool found = false;
@@ -95,11 +89,9 @@ static int exr_read(io_picture *picture, int index, const char *const *names, in
                 found = true;
                 any |= wanted[i] = !part->channel[i].data;
             }
-        if (!found)
-            result = io_fail(error, "%s: has no channel '%s'", picture->path, names[n]);
+        if (!found) result = io_fail(error, "%s: has no channel '%s'", picture->path, names[n]);
     }
-    if (result == 0 && any)
-        result = io_exr_read_part(picture, index, part, wanted, error);
+    if (result == 0 && any) result = io_exr_read_part(picture, index, part, wanted, error);
     free(wanted);
     return result;
 }
@@ -109,31 +101,26 @@ static int exr_create(io_picture *picture, io_meaning meaning, io_error *error) 
     io_part *part = &picture->part[0];
     size_t count = (size_t)part->channel_count;
     io_exr_source *source = new_source(picture, NULL, error);
-    if (!source)
-        return -1;
+    if (!source) return -1;
     source->part = calloc(1, sizeof *source->part);
-    if (!source->part)
-        return io_fail(error, "%s: not enough memory", picture->path);
+    if (!source->part) return io_fail(error, "%s: not enough memory", picture->path);
     source->part_count = 1;
     io_exr_part *layout = source->part;
     layout->compression = IO_EXR_ZIP;
     layout->window = part->data;
     layout->linear = calloc(count, sizeof *layout->linear);
     layout->type = malloc(count * sizeof *layout->type);
-    if (!layout->linear || !layout->type)
-        return io_fail(error, "%s: not enough memory", picture->path);
+    if (!layout->linear || !layout->type) return io_fail(error, "%s: not enough memory", picture->path);
     for (size_t i = 0; i < count; i++) {
         size_t length = strlen(part->channel[i].name);
         if (length < 1 || length > 255)
             return io_fail(error, "%s: '%s' cannot be the name of a channel", picture->path, part->channel[i].name);
-        if (length > 31)
-            source->version |= IO_EXR_FLAG_LONG_NAMES;
+        if (length > 31) source->version |= IO_EXR_FLAG_LONG_NAMES;
         layout->type[i] = part->channel[i].type;
         part->bits = 8 * (int)io_type_size(layout->type[i]);
     }
     part->compression = io_exr_compression_name(layout->compression);
-    if (io_exr_sort_channels(picture->path, part, layout, error) != 0)
-        return -1;
+    if (io_exr_sort_channels(picture->path, part, layout, error) != 0) return -1;
     return io_exr_count_chunks(picture->path, layout, error);
 }
 

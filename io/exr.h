@@ -3,8 +3,8 @@
 
 /* Inside io/exr*.c only.
  *
- * The container (header, chunk tables, chunk leaders) is read and written here, byte by byte, so that whatever a file says
- * about itself is checked before it is believed, and is copied as it was, also what this program does not know.
+ * The container (header, chunk tables, chunk leaders) is read and written here, byte by byte, so that whatever a file
+ * says about itself is checked before it is believed, and is copied as it was, also what this program does not know.
  * OpenEXRCore is the codec: it sees a header of our own making (exr_codec.c) and one chunk at a time.
  *
  *   exr_header.c   bytes <-> attributes <-> io_exr_part
@@ -70,9 +70,9 @@ typedef struct io_exr_part {
     uint64_t table;      /* where the chunk table lies in the file */
     uint64_t *offset;    /* the chunk table; NULL until io_exr_read_table() */
     int channel_count;
-    int *order;          /* channels by name: the order of the samples in a chunk */
-    io_type *type;       /* in the file, by channel of the io_part; the one in memory may be another by now */
-    bool *linear;        /* perceptually linear (pLinear), by channel of the io_part */
+    int *order;    /* channels by name: the order of the samples in a chunk */
+    io_type *type; /* in the file, by channel of the io_part; the one in memory may be another by now */
+    bool *linear;  /* perceptually linear (pLinear), by channel of the io_part */
 } io_exr_part;
 
 /* picture->source of an EXR picture. */
@@ -87,7 +87,9 @@ typedef struct io_exr_source {
     io_options options;
 } io_exr_source;
 
-static inline io_exr_source *io_exr_source_of(const io_picture *picture) { return (io_exr_source *)picture->source; }
+static inline io_exr_source *io_exr_source_of(const io_picture *picture) {
+    return (io_exr_source *)picture->source;
+}
 
 /* ---- bytes, little-endian in the file on every machine */
 
@@ -107,14 +109,15 @@ void io_put64(unsigned char *bytes, uint64_t value);
 
 /* ---- exr_header.c */
 
-/* Parses source->header and ->version into source->part and picture->part. With `complete` false the bytes are the beginning
- * of a longer header; then 1 means that more of them are needed. */
+/* Parses source->header and ->version into source->part and picture->part. With `complete` false the bytes are the
+ * beginning of a longer header; then 1 means that more of them are needed. */
 int io_exr_parse(io_picture *picture, io_exr_source *source, bool complete, io_error *error);
 void io_exr_append_attribute(io_bytes *bytes, const io_exr_attribute *attribute);
 const io_exr_attribute *io_exr_find(const io_exr_part *part, const char *name);
 void io_exr_free_parts(io_exr_source *source);
 const char *io_exr_compression_name(int compression);
-/* The header of a file with this one part and nothing in it but what codecs need: what OpenEXR is shown instead of the file. */
+/* The header of a file with this one part and nothing in it but what codecs need: what OpenEXR is shown instead of the
+ * file. */
 void io_exr_plain_header(io_bytes *bytes, const io_part *part, const io_exr_part *layout, const io_box *display,
                          float pixel_aspect);
 /* Fills layout->order. */
@@ -124,7 +127,7 @@ int io_exr_sort_channels(const char *path, const io_part *part, io_exr_part *lay
 
 typedef struct io_exr_chunk {
     int index;
-    int x, y, width, height;      /* pixels, from the top-left corner of the data window */
+    int x, y, width, height; /* pixels, from the top-left corner of the data window */
     int tile_x, tile_y;
     uint64_t unpacked;            /* bytes of its samples */
     uint64_t offset, packed;      /* of its compressed bytes in the file */
@@ -164,12 +167,14 @@ void io_exr_worker_close(io_exr_worker *worker);
 unsigned char *io_exr_packed_buffer(io_exr_worker *worker, const io_exr_chunk *chunk);
 /* Writes the samples of the chunk into the wanted channels of the part. -1: the data are damaged, or out of memory. */
 int io_exr_unpack(io_exr_worker *worker, const io_exr_chunk *chunk, const bool *wanted);
-/* Compresses the chunk and sets chunk->packed. The result belongs to the worker until its next call. NULL: out of memory. */
+/* Compresses the chunk and sets chunk->packed. The result belongs to the worker until its next call. NULL: out of
+ * memory. */
 const unsigned char *io_exr_pack(io_exr_worker *worker, io_exr_chunk *chunk);
 
 /* ---- exr_read.c, exr_write.c */
 
-/* Reads the channels that `wanted` says, by index, into part->channel[].data, which it allocates. `part` may be a copy. */
+/* Reads the channels that `wanted` says, by index, into part->channel[].data, which it allocates. `part` may be a copy.
+ */
 int io_exr_read_part(const io_picture *picture, int index, io_part *part, const bool *wanted, io_error *error);
 int io_exr_write(const io_picture *picture, const char *temporary, const char *path, const io_options *options,
                  io_error *note, io_error *error);

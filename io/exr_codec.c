@@ -1,20 +1,21 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Chunks <-> planar channels. A chunk holds, line after line, the samples of each channel, little-endian, channels sorted by
- * name; compressed as a whole by OpenEXRCore.
+/* Chunks <-> planar channels. A chunk holds, line after line, the samples of each channel, little-endian, channels
+ * sorted by name; compressed as a whole by OpenEXRCore.
  *
- * The library is given a context made from a header written here, never the file: its parser and its chunk tables do not meet
- * foreign bytes, only its decompressors do. Its own copying between chunks and channels is not used either: of subsampled
- * channels it counts the lines wrongly where the sampling does not divide the chunk (3.1.5: coding.c). */
+ * The library is given a context made from a header written here, never the file: its parser and its chunk tables do
+ * not meet foreign bytes, only its decompressors do. Its own copying between chunks and channels is not used either: of
+ * subsampled channels it counts the lines wrongly where the sampling does not divide the chunk (3.1.5: coding.c). */
 #include <stdlib.h>
 #include <string.h>
 
 #include <openexr.h>
 
 #include "exr.h"
+#include "exr_zip.h"
 
-/* Deflate levels above this one cost time and gain next to nothing on picture data; OpenEXR 3.1.3 and later use it too. */
+/* Deflate levels above this one cost time and gain next to nothing on picture data; it is OpenEXR's own default too. */
 enum { DEFLATE_LEVEL = 4 };
 
 struct io_exr_codec {
@@ -31,8 +32,9 @@ struct io_exr_worker {
     exr_decode_pipeline_t decode;
     exr_encode_pipeline_t encode;
     exr_result_t (*compress)(exr_encode_pipeline_t *); /* the library's */
-    unsigned char *buffer;                             /* a packed chunk */
-    size_t room;
+    io_exr_zip *zip;                                   /* instead of the library, where there is one */
+    unsigned char *packed, *unpacked;                  /* a chunk, where the library has no say */
+    size_t packed_room, unpacked_room;
     const io_exr_chunk *chunk; /* at work */
     const bool *wanted;
 };
@@ -52,7 +54,8 @@ static void copy_samples(void *to, const void *from, size_t bytes, size_t sample
 #endif
 }
 
-/* Calls for each run of samples in the order of the chunk; `packed` walks along. Unpacks into the channels or packs them. */
+/* Calls for each run of samples in the order of the chunk; `packed` walks along. Unpacks into the channels or packs
+ * them. */
 static void walk_samples(const io_exr_worker *worker, unsigned char *packed) {
     const io_part *part = worker->codec->part;
     const io_exr_part *layout = worker->codec->layout;
@@ -61,8 +64,7 @@ static void walk_samples(const io_exr_worker *worker, unsigned char *packed) {
         for (int i = 0; i < part->channel_count; i++) {
             int c = layout->order[i];
             const io_channel *channel = &part->channel[c];
-            if (y % channel->y_sampling)
-                continue;
+            if (y % channel->y_sampling) continue;
             size_t sample = io_type_size(layout->type[c]);
             size_t bytes = (size_t)(chunk->width / channel->x_sampling) * sample;
             size_t row = (size_t)(y / channel->y_sampling), column = (size_t)(chunk->x / channel->x_sampling);
@@ -85,15 +87,14 @@ static int64_t read_header(exr_const_context_t context, void *user, void *buffer
                            exr_stream_error_func_ptr_t fail) {
     const io_bytes *header = user;
     (void)context, (void)fail;
-    if (offset >= header->size)
-        return 0;
+    if (offset >= header->size) return 0;
     uint64_t left = header->size - offset;
     memcpy(buffer, header->data + offset, (size_t)(size < left ? size : left));
     return (int64_t)(size < left ? size : left);
 }
 
-static int64_t write_nowhere(exr_const_context_t context, void *user, const void *buffer, uint64_t size, uint64_t offset,
-                             exr_stream_error_func_ptr_t fail) {
+static int64_t write_nowhere(exr_const_context_t context, void *user, const void *buffer, uint64_t size,
+                             uint64_t offset, exr_stream_error_func_ptr_t fail) {
     (void)context, (void)user, (void)buffer, (void)offset, (void)fail;
     return (int64_t)size;
 }
@@ -115,7 +116,8 @@ static exr_result_t start_encoding(io_exr_codec *codec) {
         [IO_UINT] = EXR_PIXEL_UINT, [IO_HALF] = EXR_PIXEL_HALF, [IO_FLOAT] = EXR_PIXEL_FLOAT};
     const io_exr_part *layout = codec->layout;
     const io_box *w = &codec->part->data;
-    exr_attr_box2i_t window = {.min = {.x = w->x, .y = w->y}, .max = {.x = w->x + w->width - 1, .y = w->y + w->height - 1}};
+    exr_attr_box2i_t window = {.min = {.x = w->x, .y = w->y},
+                               .max = {.x = w->x + w->width - 1, .y = w->y + w->height - 1}};
     exr_attr_v2f_t center = {.x = 0, .y = 0};
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = silent;
@@ -123,8 +125,7 @@ static exr_result_t start_encoding(io_exr_codec *codec) {
     init.zip_level = DEFLATE_LEVEL;
     int index;
     exr_result_t r = exr_start_write(&codec->context, "chunks", EXR_WRITE_FILE_DIRECTLY, &init);
-    if (r == EXR_ERR_SUCCESS)
-        r = exr_set_longname_support(codec->context, 1);
+    if (r == EXR_ERR_SUCCESS) r = exr_set_longname_support(codec->context, 1);
     if (r == EXR_ERR_SUCCESS)
         r = exr_add_part(codec->context, "chunks", layout->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &index);
     if (r == EXR_ERR_SUCCESS)
@@ -153,11 +154,9 @@ io_exr_codec *io_exr_codec_open(const char *path, const io_part *part, const io_
     codec->part = part;
     codec->layout = layout;
     codec->encode = encode;
-    if (layout->compression == IO_EXR_NONE)
-        return codec;
+    if (layout->compression == IO_EXR_NONE) return codec;
     exr_result_t r = encode ? start_encoding(codec) : start_decoding(codec);
-    if (r == EXR_ERR_SUCCESS)
-        return codec;
+    if (r == EXR_ERR_SUCCESS) return codec;
     io_fail(error, "%s: OpenEXR refuses this layout of channels (%s); write the picture in another way", path,
             exr_get_default_error_message(r));
     io_exr_codec_close(codec);
@@ -165,10 +164,8 @@ io_exr_codec *io_exr_codec_open(const char *path, const io_part *part, const io_
 }
 
 void io_exr_codec_close(io_exr_codec *codec) {
-    if (!codec)
-        return;
-    if (codec->context)
-        exr_finish(&codec->context);
+    if (!codec) return;
+    if (codec->context) exr_finish(&codec->context);
     free(codec->header.data);
     free(codec);
 }
@@ -177,35 +174,37 @@ void io_exr_codec_close(io_exr_codec *codec) {
 
 io_exr_worker *io_exr_worker_open(const io_exr_codec *codec) {
     io_exr_worker *worker = calloc(1, sizeof *worker);
-    if (worker)
-        worker->codec = codec;
+    if (!worker) return NULL;
+    int compression = codec->layout->compression;
+    worker->codec = codec;
+    worker->zip = compression == IO_EXR_ZIP || compression == IO_EXR_ZIPS ? io_exr_zip_open(DEFLATE_LEVEL) : NULL;
     return worker;
 }
 
 void io_exr_worker_close(io_exr_worker *worker) {
-    if (!worker)
-        return;
+    if (!worker) return;
     if (worker->started && worker->codec->encode)
         exr_encoding_destroy(worker->codec->context, &worker->encode);
     else if (worker->started)
         exr_decoding_destroy(worker->codec->context, &worker->decode);
-    free(worker->buffer);
+    io_exr_zip_close(worker->zip);
+    free(worker->packed);
+    free(worker->unpacked);
     free(worker);
 }
 
-static unsigned char *reserve(io_exr_worker *worker, uint64_t size) {
-    if (size > worker->room || !worker->buffer) {
-        free(worker->buffer);
-        worker->room = (size_t)(size + size / 4 + 64);
-        worker->buffer = malloc(worker->room);
-        if (!worker->buffer)
-            worker->room = 0;
+static unsigned char *reserve(unsigned char **buffer, size_t *room, uint64_t size) {
+    if (size > *room || !*buffer) {
+        free(*buffer);
+        *room = (size_t)(size + size / 4 + 64);
+        *buffer = malloc(*room);
+        if (!*buffer) *room = 0;
     }
-    return worker->buffer;
+    return *buffer;
 }
 
 unsigned char *io_exr_packed_buffer(io_exr_worker *worker, const io_exr_chunk *chunk) {
-    return reserve(worker, chunk->packed);
+    return reserve(&worker->packed, &worker->packed_room, chunk->packed);
 }
 
 static exr_chunk_info_t chunk_info(const io_exr_worker *worker, const io_exr_chunk *chunk) {
@@ -253,10 +252,9 @@ static exr_result_t decompress(io_exr_worker *worker, const io_exr_chunk *chunk)
     exr_const_context_t context = worker->codec->context;
     exr_chunk_info_t info = chunk_info(worker, chunk);
     exr_decode_pipeline_t *p = &worker->decode;
-    exr_result_t r = worker->started ? exr_decoding_update(context, 0, &info, p)
-                                     : exr_decoding_initialize(context, 0, &info, p);
-    if (r != EXR_ERR_SUCCESS)
-        return r;
+    exr_result_t r =
+        worker->started ? exr_decoding_update(context, 0, &info, p) : exr_decoding_initialize(context, 0, &info, p);
+    if (r != EXR_ERR_SUCCESS) return r;
     set_channel_sizes(worker, chunk, p->channels);
     if (!worker->started) {
         worker->started = true;
@@ -265,7 +263,7 @@ static exr_result_t decompress(io_exr_worker *worker, const io_exr_chunk *chunk)
         p->read_fn = already_read;
         p->unpack_and_convert_fn = unpack_samples;
     }
-    p->packed_buffer = worker->buffer; /* with packed_alloc_size 0: not the library's to free */
+    p->packed_buffer = worker->packed; /* with packed_alloc_size 0: not the library's to free */
     return r == EXR_ERR_SUCCESS ? exr_decoding_run(context, 0, p) : r;
 }
 
@@ -274,13 +272,20 @@ int io_exr_unpack(io_exr_worker *worker, const io_exr_chunk *chunk, const bool *
     bool b44 = compression == IO_EXR_B44 || compression == IO_EXR_B44A;
     worker->chunk = chunk;
     worker->wanted = wanted;
-    /* Chunks that compression would not make smaller are stored as they are. Some writers of B44 do not know that rule. */
+    /* Chunks that compression would not make smaller are stored as they are. Some writers of B44 do not know that rule.
+     */
     if (chunk->packed == chunk->unpacked) {
-        walk_samples(worker, worker->buffer);
+        walk_samples(worker, worker->packed);
         return 0;
     }
-    if (compression == IO_EXR_NONE || chunk->packed == 0 || (chunk->packed > chunk->unpacked && !b44))
-        return -1;
+    if (compression == IO_EXR_NONE || chunk->packed == 0 || (chunk->packed > chunk->unpacked && !b44)) return -1;
+    if (worker->zip) {
+        unsigned char *unpacked = reserve(&worker->unpacked, &worker->unpacked_room, chunk->unpacked);
+        if (!unpacked || !io_exr_zip_unpack(worker->zip, worker->packed, chunk->packed, unpacked, chunk->unpacked))
+            return -1;
+        walk_samples(worker, unpacked);
+        return 0;
+    }
     return decompress(worker, chunk) == EXR_ERR_SUCCESS ? 0 : -1;
 }
 
@@ -303,10 +308,9 @@ static exr_result_t compress(io_exr_worker *worker, const io_exr_chunk *chunk) {
     exr_const_context_t context = worker->codec->context;
     exr_chunk_info_t info = chunk_info(worker, chunk);
     exr_encode_pipeline_t *p = &worker->encode;
-    exr_result_t r = worker->started ? exr_encoding_update(context, 0, &info, p)
-                                     : exr_encoding_initialize(context, 0, &info, p);
-    if (r != EXR_ERR_SUCCESS)
-        return r;
+    exr_result_t r =
+        worker->started ? exr_encoding_update(context, 0, &info, p) : exr_encoding_initialize(context, 0, &info, p);
+    if (r != EXR_ERR_SUCCESS) return r;
     set_channel_sizes(worker, chunk, p->channels);
     if (!worker->started) {
         worker->started = true;
@@ -321,19 +325,24 @@ static exr_result_t compress(io_exr_worker *worker, const io_exr_chunk *chunk) {
     return r == EXR_ERR_SUCCESS ? exr_encoding_run(context, 0, p) : r;
 }
 
+static const unsigned char *pack_by_library(io_exr_worker *worker, io_exr_chunk *chunk) {
+    if (compress(worker, chunk) != EXR_ERR_SUCCESS) return NULL;
+    if (worker->encode.compressed_bytes >= chunk->unpacked) return worker->encode.packed_buffer;
+    chunk->packed = worker->encode.compressed_bytes;
+    return worker->encode.compressed_buffer;
+}
+
 const unsigned char *io_exr_pack(io_exr_worker *worker, io_exr_chunk *chunk) {
     worker->chunk = chunk;
-    chunk->packed = chunk->unpacked;
-    if (worker->codec->context && chunk->unpacked > 0) {
-        if (compress(worker, chunk) != EXR_ERR_SUCCESS)
-            return NULL;
-        if (worker->encode.compressed_bytes >= chunk->unpacked)
-            return worker->encode.packed_buffer;
-        chunk->packed = worker->encode.compressed_bytes;
-        return worker->encode.compressed_buffer;
-    }
-    if (!reserve(worker, chunk->unpacked))
-        return NULL;
-    walk_samples(worker, worker->buffer);
-    return worker->buffer;
+    chunk->packed = chunk->unpacked; /* what compression does not make smaller is stored as it is */
+    if (worker->codec->context && !worker->zip && chunk->unpacked > 0) return pack_by_library(worker, chunk);
+    unsigned char *unpacked = reserve(&worker->unpacked, &worker->unpacked_room, chunk->unpacked);
+    if (!unpacked) return NULL;
+    walk_samples(worker, unpacked);
+    size_t size;
+    const unsigned char *packed =
+        worker->zip ? io_exr_zip_pack(worker->zip, unpacked, (size_t)chunk->unpacked, &size) : NULL;
+    if (!packed) return unpacked;
+    chunk->packed = size;
+    return packed;
 }

@@ -13,29 +13,27 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <Iex.h>
-#include <ImfThreading.h>
 
 namespace {
 
 class Memory : public Imf::IStream {
-public:
-    Memory(const void *data, size_t size) : Imf::IStream("memory"), data_(static_cast<const char *>(data)), size_(size) {}
+  public:
+    Memory(const void *data, size_t size)
+        : Imf::IStream("memory"), data_(static_cast<const char *>(data)), size_(size) {}
     bool isMemoryMapped() const override { return false; }
     bool read(char to[], int count) override {
-        if (count < 0 || static_cast<uint64_t>(count) > size_ - at_)
-            throw Iex::InputExc("early end of the pixels");
+        if (count < 0 || static_cast<uint64_t>(count) > size_ - at_) throw Iex::InputExc("early end of the pixels");
         std::memcpy(to, data_ + at_, static_cast<size_t>(count));
         at_ += static_cast<uint64_t>(count);
         return at_ < size_;
     }
     uint64_t tellg() override { return at_; }
     void seekg(uint64_t position) override {
-        if (position > size_)
-            throw Iex::InputExc("an offset beyond the end");
+        if (position > size_) throw Iex::InputExc("an offset beyond the end");
         at_ = position;
     }
 
-private:
+  private:
     const char *data_;
     uint64_t size_, at_ = 0;
 };
@@ -51,20 +49,16 @@ Imf::Slice slice_of(const io_exr_slice &slice, int x, int y) {
 
 } // namespace
 
-int io_exr_dwa_decode(const void *file, size_t size, int x, int y, int height, const io_exr_slice *slices, int count,
-                      int threads, char *reason, size_t reason_size) {
+int io_exr_dwa_decode(const void *file, size_t size, int x, int y, int top, int bottom, const io_exr_slice *slices,
+                      int count, char *reason, size_t reason_size) {
     try {
-        /* Threads of the library's pool, which another part of the process may have set up: it is left as it is. The file's
-         * own number only says how many chunks are under way. */
-        if (Imf::globalThreadCount() == 0 && threads > 1)
-            Imf::setGlobalThreadCount(threads);
         Memory stream(file, size);
-        Imf::InputFile input(stream, threads);
+        Imf::InputFile input(stream, 0); /* without the library's own threads, which the process may want for itself */
         Imf::FrameBuffer frame;
         for (int i = 0; i < count; i++)
             frame.insert(slices[i].name, slice_of(slices[i], x, y));
         input.setFrameBuffer(frame);
-        input.readPixels(y, y + height - 1);
+        input.readPixels(top, bottom);
         return 0;
     } catch (const std::exception &e) {
         std::snprintf(reason, reason_size, "%s", e.what());

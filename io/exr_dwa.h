@@ -18,10 +18,11 @@ typedef struct io_exr_slice {
     void *data; /* planar, tightly packed */
 } io_exr_slice;
 
-/* Decodes an EXR file in memory, of one flat part with one level, whose data window is width x height at (x, y), into
- * `count` of its channels. 0, or -1 with a reason. */
-int io_exr_dwa_decode(const void *file, size_t size, int x, int y, int height, const io_exr_slice *slices, int count,
-                      int threads, char *reason, size_t reason_size);
+/* Decodes lines `top` to `bottom` (in the file's coordinates; whole chunks for speed) of an EXR file in memory, of one
+ * flat part with one level, into `count` of its channels, whose first samples are those at (x, y), the corner of the
+ * data window. 0, or -1 with a reason. Thread-safety: any number of calls at once, also on the same file. */
+int io_exr_dwa_decode(const void *file, size_t size, int x, int y, int top, int bottom, const io_exr_slice *slices,
+                      int count, char *reason, size_t reason_size);
 
 #ifdef __cplusplus
 }

@@ -9,13 +9,18 @@
 
 #include "exr.h"
 
-enum { LONGEST_NAME = 255, MOST_CHANNELS = 4096, MOST_PARTS = 4096, LARGEST_COORDINATE = 1 << 29 };
+enum {
+    LONGEST_NAME = 255,
+    MOST_CHANNELS = 4096,
+    MOST_PARTS = 4096,
+    MOST_ATTRIBUTES = 1 << 16,
+    LARGEST_COORDINATE = 1 << 29
+};
 
 /* ------------------------------------------------------------------------- bytes */
 
 void io_bytes_append(io_bytes *bytes, const void *data, size_t size) {
-    if (bytes->failed || size == 0)
-        return;
+    if (bytes->failed || size == 0) return;
     if (size > bytes->room - bytes->size) {
         size_t room = 2 * bytes->room + size + 256;
         unsigned char *larger = realloc(bytes->data, room);
@@ -36,13 +41,17 @@ void io_bytes_append32(io_bytes *bytes, uint32_t value) {
     io_bytes_append(bytes, encoded, sizeof encoded);
 }
 
-void io_bytes_append_text(io_bytes *bytes, const char *text) { io_bytes_append(bytes, text, strlen(text) + 1); }
+void io_bytes_append_text(io_bytes *bytes, const char *text) {
+    io_bytes_append(bytes, text, strlen(text) + 1);
+}
 
 uint32_t io_get32(const unsigned char *b) {
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-uint64_t io_get64(const unsigned char *b) { return io_get32(b) | (uint64_t)io_get32(b + 4) << 32; }
+uint64_t io_get64(const unsigned char *b) {
+    return io_get32(b) | (uint64_t)io_get32(b + 4) << 32;
+}
 
 void io_put32(unsigned char *b, uint32_t value) {
     for (int i = 0; i < 4; i++)
@@ -71,8 +80,7 @@ const char *io_exr_compression_name(int compression) {
 
 const io_exr_attribute *io_exr_find(const io_exr_part *part, const char *name) {
     for (int i = 0; i < part->attribute_count; i++)
-        if (strcmp(part->attribute[i].name, name) == 0)
-            return &part->attribute[i];
+        if (strcmp(part->attribute[i].name, name) == 0) return &part->attribute[i];
     return NULL;
 }
 
@@ -89,6 +97,7 @@ typedef struct parser {
     const unsigned char *at, *end;
     bool short_of;
     io_error *error;
+    uint64_t least; /* bytes of pixels there must be at least, of the parts so far */
 } parser;
 
 static const char *take_name(parser *p) {
@@ -109,14 +118,12 @@ static const char *take_name(parser *p) {
 /* One attribute; *last when it was the empty name that ends a header. */
 static int take_attribute(parser *p, io_exr_attribute *attribute, bool *last) {
     *last = false;
-    if (!(attribute->name = take_name(p)))
-        return -1;
+    if (!(attribute->name = take_name(p))) return -1;
     if (!attribute->name[0]) {
         *last = true;
         return 0;
     }
-    if (!(attribute->type = take_name(p)))
-        return -1;
+    if (!(attribute->type = take_name(p))) return -1;
     if (p->end - p->at < 4) {
         p->short_of = true;
         return -1;
@@ -139,15 +146,14 @@ static int take_attributes(parser *p, io_exr_part *part) {
     bool last = false;
     while (!last) {
         io_exr_attribute attribute = {0};
-        if (take_attribute(p, &attribute, &last) != 0)
-            return -1;
-        if (last)
-            break;
+        if (take_attribute(p, &attribute, &last) != 0) return -1;
+        if (last) break;
+        if (part->attribute_count == MOST_ATTRIBUTES)
+            return io_fail(p->error, "%s: has more than %d attributes; the file is damaged", p->path, MOST_ATTRIBUTES);
         if ((part->attribute_count & (part->attribute_count - 1)) == 0) {
             size_t room = part->attribute_count ? 2 * (size_t)part->attribute_count : 1;
             void *larger = realloc(part->attribute, room * sizeof attribute);
-            if (!larger)
-                return io_fail(p->error, "%s: not enough memory", p->path);
+            if (!larger) return io_fail(p->error, "%s: not enough memory", p->path);
             part->attribute = larger;
         }
         part->attribute[part->attribute_count++] = attribute;
@@ -180,8 +186,7 @@ static char *copy_string(const io_exr_part *part, const char *name) {
 
 static int parse_window(parser *p, const io_exr_part *part, const char *name, io_box *box) {
     const io_exr_attribute *a = required(p, part, name, "box2i", 16);
-    if (!a)
-        return -1;
+    if (!a) return -1;
     int32_t value[4];
     for (int i = 0; i < 4; i++) {
         value[i] = (int32_t)io_get32(a->value + 4 * i);
@@ -211,11 +216,9 @@ static int parse_storage(parser *p, const io_exr_source *source, io_exr_part *pa
         part->tiled = found & 1;
         part->deep = found & 2;
     }
-    if (!part->tiled)
-        return 0;
+    if (!part->tiled) return 0;
     const io_exr_attribute *tiles = required(p, part, "tiles", "tiledesc", 9);
-    if (!tiles)
-        return -1;
+    if (!tiles) return -1;
     uint32_t width = io_get32(tiles->value), height = io_get32(tiles->value + 4);
     part->level_mode = tiles->value[8] & 15;
     part->round_up = tiles->value[8] >> 4 == 1;
@@ -232,7 +235,8 @@ static int by_name(const void *a, const void *b) {
     return strcmp((*(io_channel *const *)a)->name, (*(io_channel *const *)b)->name);
 }
 
-/* Samples are stored in the order of the channels' names, whatever the order in the header: readers keep them in a map. */
+/* Samples are stored in the order of the channels' names, whatever the order in the header: readers keep them in a map.
+ */
 int io_exr_sort_channels(const char *path, const io_part *part, io_exr_part *layout, io_error *error) {
     size_t count = (size_t)part->channel_count;
     const io_channel **sorted = malloc((count + 1) * sizeof *sorted);
@@ -272,8 +276,7 @@ static int parse_channel(parser *p, const char *name, const unsigned char *entry
     layout->linear = linear ? linear : layout->linear;
     io_type *file_type = realloc(layout->type, (size_t)(part->channel_count + 1) * sizeof *file_type);
     layout->type = file_type ? file_type : layout->type;
-    if (!channel || !linear || !file_type)
-        return io_fail(p->error, "%s: not enough memory", p->path);
+    if (!channel || !linear || !file_type) return io_fail(p->error, "%s: not enough memory", p->path);
     linear[part->channel_count - 1] = entry[4] != 0;
     file_type[part->channel_count - 1] = types[type];
     int bits = type == 1 ? 16 : 32;
@@ -283,17 +286,14 @@ static int parse_channel(parser *p, const char *name, const unsigned char *entry
 
 static int parse_channels(parser *p, io_part *part, io_exr_part *layout) {
     const io_exr_attribute *a = required(p, layout, "channels", "chlist", 0);
-    if (!a)
-        return -1;
-    parser list = {p->path, a->value, a->value + a->size, false, p->error};
+    if (!a) return -1;
+    parser list = {p->path, a->value, a->value + a->size, false, p->error, 0};
     for (;;) {
         const char *name = take_name(&list);
         if (!name || (name[0] && list.end - list.at < 16))
             return io_fail(p->error, "%s: the list of channels is damaged", p->path);
-        if (!name[0])
-            break;
-        if (parse_channel(p, name, list.at, part, layout) != 0)
-            return -1;
+        if (!name[0]) break;
+        if (parse_channel(p, name, list.at, part, layout) != 0) return -1;
         list.at += 16;
     }
     if (part->channel_count == 0)
@@ -302,10 +302,8 @@ static int parse_channels(parser *p, io_part *part, io_exr_part *layout) {
 }
 
 static const char *storage_name(const io_exr_part *layout) {
-    if (layout->deep)
-        return layout->tiled ? "deep tiled" : "deep scanline";
-    if (!layout->tiled)
-        return "scanline";
+    if (layout->deep) return layout->tiled ? "deep tiled" : "deep scanline";
+    if (!layout->tiled) return "scanline";
     return layout->level_mode == IO_EXR_ONE_LEVEL ? "tiled"
            : layout->level_mode == IO_EXR_MIPMAP  ? "mipmap tiled"
                                                   : "ripmap tiled";
@@ -320,22 +318,21 @@ static char *copy_view(const io_exr_part *layout) {
     return size <= views->size - 4 ? strndup((const char *)views->value + 4, size) : strdup("");
 }
 
-/* A declared size that the file cannot hold even if every codec did its best: a damaged header, or a bomb. The limits are
- * those of the codecs: 127 bytes in 2, deflate's 1032:1 (PXR24 drops a byte of four before it), 256 samples in 10 bits, a
- * block of 32 bytes in 3; DWA has none worth naming. */
+/* A declared size that the file cannot hold even if every codec did its best: a damaged header, or a bomb. The limits
+ * are those of the codecs: 127 bytes in 2, deflate's 1032:1 (PXR24 drops a byte of four before it), 256 samples in 10
+ * bits, a block of 32 bytes in 3; DWA has none worth naming. */
 static int check_plausible(parser *p, const io_exr_source *source, const io_part *part, const io_exr_part *layout) {
     static const uint64_t most[IO_EXR_COMPRESSIONS] = {1, 64, 1040, 1040, 512, 1400, 11, 11, 65536, 65536};
     uint64_t bytes = 0;
     for (int i = 0; i < part->channel_count; i++)
-        bytes += (uint64_t)part->channel[i].width * (uint64_t)part->channel[i].height *
-                 io_type_size(part->channel[i].type);
-    if (source->file >= 0 && !layout->deep && bytes / most[layout->compression] > source->length)
-        return io_fail(p->error,
-                       "%s: declares %d x %d pixels (%llu MiB), which its %llu bytes cannot hold; the file is cut off or "
-                       "damaged",
-                       p->path, part->data.width, part->data.height, (unsigned long long)(bytes >> 20),
-                       (unsigned long long)source->length);
-    return 0;
+        bytes += (uint64_t)part->channel[i].width * (uint64_t)part->channel[i].height * io_type_size(layout->type[i]);
+    if (!layout->deep) p->least += bytes / most[layout->compression];
+    if (source->file < 0 || p->least <= source->length) return 0;
+    return io_fail(p->error,
+                   "%s: declares %d x %d pixels (%llu MiB), which its %llu bytes cannot hold; the file is cut off or "
+                   "damaged",
+                   p->path, part->data.width, part->data.height, (unsigned long long)(bytes >> 20),
+                   (unsigned long long)source->length);
 }
 
 static int parse_part(parser *p, io_picture *picture, io_exr_source *source, io_exr_part *layout) {
@@ -352,28 +349,29 @@ static int parse_part(parser *p, io_picture *picture, io_exr_source *source, io_
     if (layout->compression >= IO_EXR_COMPRESSIONS)
         return io_fail(p->error, "%s: is compressed in a way (%d) this program does not know; write it as ZIP or PIZ",
                        p->path, layout->compression);
-    if (layout->line_order > IO_EXR_RANDOM_Y)
-        return io_fail(p->error, "%s: 'lineOrder' is damaged", p->path);
+    if (layout->line_order > IO_EXR_RANDOM_Y) return io_fail(p->error, "%s: 'lineOrder' is damaged", p->path);
 
     char *name = copy_string(layout, "name"), *view = copy_view(layout);
     io_part *part = name && view ? io_add_part(picture, name, view, data, display) : NULL;
     free(name);
     free(view);
-    if (!part)
-        return io_fail(p->error, "%s: not enough memory", p->path);
+    if (!part) return io_fail(p->error, "%s: not enough memory", p->path);
     if (aspect && aspect->size == 4 && get_float(aspect->value) > 0 && isfinite(get_float(aspect->value)))
         part->pixel_aspect = get_float(aspect->value);
     part->compression = io_exr_compression_name(layout->compression);
     part->storage = storage_name(layout);
     part->deep = layout->deep;
     part->multi_level = layout->tiled && layout->level_mode != IO_EXR_ONE_LEVEL;
-    if (parse_channels(p, part, layout) != 0 || io_exr_count_chunks(p->path, layout, p->error) != 0)
-        return -1;
+    if (parse_channels(p, part, layout) != 0 || io_exr_count_chunks(p->path, layout, p->error) != 0) return -1;
 
     const io_exr_attribute *count = io_exr_find(layout, "chunkCount");
     if (count && count->size == 4 && (source->version & (IO_EXR_FLAG_MULTIPART | IO_EXR_FLAG_DEEP)) &&
         io_get32(count->value) != (uint32_t)layout->chunk_count)
         return io_fail(p->error, "%s: 'chunkCount' does not fit the size of the picture; the file is damaged", p->path);
+    io_exr_chunk largest;
+    io_exr_place_chunk(part, layout, 0, &largest);
+    if (!layout->deep && largest.unpacked > INT32_MAX)
+        return io_fail(p->error, "%s: its tiles or blocks of rows are larger than 2 GiB; the file is damaged", p->path);
     return check_plausible(p, source, part, layout);
 }
 
@@ -397,37 +395,32 @@ static int take_headers(parser *p, io_exr_source *source) {
     do {
         if (multipart && p->at < p->end && p->at[0] == 0) {
             p->at++;
-            if (source->part_count == 0)
-                return io_fail(p->error, "%s: has no parts; the file is damaged", p->path);
+            if (source->part_count == 0) return io_fail(p->error, "%s: has no parts; the file is damaged", p->path);
             return 0;
         }
         if (source->part_count == MOST_PARTS)
             return io_fail(p->error, "%s: has more than %d parts", p->path, MOST_PARTS);
         io_exr_part *larger = realloc(source->part, (size_t)(source->part_count + 1) * sizeof *larger);
-        if (!larger)
-            return io_fail(p->error, "%s: not enough memory", p->path);
+        if (!larger) return io_fail(p->error, "%s: not enough memory", p->path);
         source->part = larger;
         source->part[source->part_count] = (io_exr_part){0};
-        if (take_attributes(p, &source->part[source->part_count++]) != 0)
-            return -1;
+        if (take_attributes(p, &source->part[source->part_count++]) != 0) return -1;
     } while (multipart);
     return 0;
 }
 
 int io_exr_parse(io_picture *picture, io_exr_source *source, bool complete, io_error *error) {
-    parser p = {picture->path, source->header, source->header + source->header_size, false, error};
+    parser p = {picture->path, source->header, source->header + source->header_size, false, error, 0};
     if (take_headers(&p, source) != 0) {
         io_exr_free_parts(source);
-        if (p.short_of && !complete)
-            return 1;
-        return p.short_of ? io_fail(error, "%s: ends within its header; it is cut off, copy or write it again",
-                                    picture->path)
-                          : -1;
+        if (p.short_of && !complete) return 1;
+        return p.short_of
+                   ? io_fail(error, "%s: ends within its header; it is cut off, copy or write it again", picture->path)
+                   : -1;
     }
     uint64_t table = 8 + (uint64_t)(p.at - source->header);
     for (int i = 0; i < source->part_count; i++) {
-        if (parse_part(&p, picture, source, &source->part[i]) != 0)
-            return -1;
+        if (parse_part(&p, picture, source, &source->part[i]) != 0) return -1;
         source->part[i].table = table;
         table += 8 * (uint64_t)source->part[i].chunk_count;
     }

@@ -1,8 +1,9 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Where pixels lie in an EXR file: chunks of scanlines or tiles, each behind a leader that names it, found through a table
- * of offsets. Nothing of that is believed before it was compared with what the header implies and with the file's length. */
+/* Where pixels lie in an EXR file: chunks of scanlines or tiles, each behind a leader that names it, found through a
+ * table of offsets. Nothing of that is believed before it was compared with what the header implies and with the file's
+ * length. */
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -13,7 +14,9 @@
 
 enum { MOST_LEVELS = 32 };
 
-static int ceil_div(int a, int b) { return a / b + (a % b != 0); }
+static int ceil_div(int a, int b) {
+    return a / b + (a % b != 0);
+}
 
 /* ------------------------------------------------------------------------- counting */
 
@@ -94,15 +97,14 @@ void io_exr_place_chunk(const io_part *part, const io_exr_part *layout, int inde
     for (int i = 0; i < part->channel_count; i++) {
         const io_channel *channel = &part->channel[i];
         int first, rows = io_exr_channel_rows(channel, chunk->y, chunk->height, &first);
-        chunk->unpacked += (uint64_t)rows * (uint64_t)(chunk->width / channel->x_sampling) * io_type_size(layout->type[i]);
+        chunk->unpacked +=
+            (uint64_t)rows * (uint64_t)(chunk->width / channel->x_sampling) * io_type_size(layout->type[i]);
     }
 }
 
 int io_exr_chunk_at(const io_exr_part *layout, int position) {
-    if (layout->line_order != IO_EXR_DECREASING_Y)
-        return position;
-    if (!layout->tiled)
-        return layout->flat_count - 1 - position;
+    if (layout->line_order != IO_EXR_DECREASING_Y) return position;
+    if (!layout->tiled) return layout->flat_count - 1 - position;
     int columns = ceil_div(layout->window.width, layout->tile_width), rows = layout->flat_count / columns;
     return (rows - 1 - position / columns) * columns + position % columns;
 }
@@ -114,10 +116,8 @@ bool io_exr_pread(int file, void *data, uint64_t size, uint64_t offset) {
     while (size > 0) {
         size_t step = size < (1u << 30) ? (size_t)size : 1u << 30;
         ssize_t got = offset > INT64_MAX ? 0 : pread(file, to, step, (off_t)offset);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return false;
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return false;
         to += got;
         offset += (uint64_t)got;
         size -= (uint64_t)got;
@@ -128,12 +128,10 @@ bool io_exr_pread(int file, void *data, uint64_t size, uint64_t offset) {
 int io_exr_read_table(const io_picture *picture, int index, io_error *error) {
     io_exr_source *source = io_exr_source_of(picture);
     io_exr_part *layout = &source->part[index];
-    if (layout->offset)
-        return 0;
+    if (layout->offset) return 0;
     size_t count = (size_t)layout->chunk_count;
     uint64_t *offset = malloc(count * sizeof *offset);
-    if (!offset)
-        return io_fail(error, "%s: not enough memory", picture->path);
+    if (!offset) return io_fail(error, "%s: not enough memory", picture->path);
     if (!io_exr_pread(source->file, offset, count * sizeof *offset, layout->table)) {
         free(offset);
         return io_fail(error, "%s: cannot be read any more; was it changed meanwhile?", picture->path);
@@ -149,7 +147,8 @@ int io_exr_bad_chunk(const io_picture *picture, int index, const io_exr_chunk *c
     const io_part *part = &picture->part[index];
     const io_exr_part *layout = &io_exr_source_of(picture)->part[index];
     bool several = picture->part_count > 1 && part->name[0];
-    const char *what = missing ? "missing" : "damaged", *in = several ? " of part " : "", *name = several ? part->name : "";
+    const char *what = missing ? "missing" : "damaged", *in = several ? " of part " : "",
+               *name = several ? part->name : "";
     const char *remedy = missing ? "the file is cut off, copy or write it again" : "copy or write the file again";
     if (chunk->index >= layout->flat_count)
         return io_fail(error, "%s: a smaller level%s%s is %s; %s", picture->path, in, name, what, remedy);
@@ -158,8 +157,8 @@ int io_exr_bad_chunk(const io_picture *picture, int index, const io_exr_chunk *c
         return io_fail(error, "%s: rows %d to %d, columns %d to %d%s%s are %s; %s", picture->path, top,
                        top + chunk->height - 1, chunk->x + part->data.x, chunk->x + part->data.x + chunk->width - 1, in,
                        name, what, remedy);
-    return io_fail(error, "%s: rows %d to %d%s%s are %s; %s", picture->path, top, top + chunk->height - 1, in, name, what,
-                   remedy);
+    return io_fail(error, "%s: rows %d to %d%s%s are %s; %s", picture->path, top, top + chunk->height - 1, in, name,
+                   what, remedy);
 }
 
 /* The leader: [part] y or (tile x, tile y, level x, level y), then the size of the data; of deep data the sizes of the
@@ -179,8 +178,7 @@ int io_exr_locate_chunk(const io_picture *picture, int part, int index, io_exr_c
     /* Nothing lies before the end of the tables; writers that are interrupted leave zeroes in them. */
     if (start < source->part[source->part_count - 1].table || start > length || size > length - start)
         return io_exr_bad_chunk(picture, part, chunk, true, error);
-    if (!io_exr_pread(source->file, leader, size, start))
-        return io_exr_bad_chunk(picture, part, chunk, true, error);
+    if (!io_exr_pread(source->file, leader, size, start)) return io_exr_bad_chunk(picture, part, chunk, true, error);
     bool right = true;
     if (multipart) {
         right = io_get32(at) == (uint32_t)part;
@@ -209,19 +207,16 @@ int io_exr_locate_chunks(const io_picture *picture, int part, bool flat_only, io
     const io_exr_part *layout = &source->part[part];
     int count = flat_only ? layout->flat_count : layout->chunk_count;
     *chunks = NULL;
-    if (io_exr_read_table(picture, part, error) != 0)
-        return -1;
+    if (io_exr_read_table(picture, part, error) != 0) return -1;
     io_exr_chunk *located = malloc((size_t)count * sizeof *located);
-    if (!located)
-        return io_fail(error, "%s: not enough memory", picture->path);
+    if (!located) return io_fail(error, "%s: not enough memory", picture->path);
     uint64_t sum = 0;
     int result = 0;
     for (int i = 0; result == 0 && i < count; i++) {
         result = io_exr_locate_chunk(picture, part, i, &located[i], error);
         sum += located[i].whole;
         /* Chunks that share bytes would let a small file become a huge one. */
-        if (result == 0 && sum > source->length)
-            result = io_exr_bad_chunk(picture, part, &located[i], false, error);
+        if (result == 0 && sum > source->length) result = io_exr_bad_chunk(picture, part, &located[i], false, error);
     }
     if (result == 0)
         *chunks = located;

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 
 /* All chunks of a part into its channels, on several threads. */
+#include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -29,13 +30,13 @@ static void report_bad(reading *r, int index) {
         ;
 }
 
-/* Takes chunks until there are none, or one was bad. Chunks are taken in order, so every one before a bad one is tried. */
+/* Takes chunks until there are none, or one was bad. Chunks are taken in order, so every one before a bad one is tried.
+ */
 static void read_chunks(void *data, int unused) {
     (void)unused;
     reading *r = data;
     io_exr_worker *worker = io_exr_worker_open(r->codec);
-    if (!worker)
-        atomic_store(&r->no_memory, true);
+    if (!worker) atomic_store(&r->no_memory, true);
     for (int i; worker && (i = atomic_fetch_add(&r->next, 1)) < atomic_load(&r->first_bad);) {
         const io_exr_chunk *chunk = &r->chunks[i];
         unsigned char *packed = io_exr_packed_buffer(worker, chunk);
@@ -43,7 +44,8 @@ static void read_chunks(void *data, int unused) {
             atomic_store(&r->no_memory, true);
             break;
         }
-        if (!io_exr_pread(r->file, packed, chunk->packed, chunk->offset) || io_exr_unpack(worker, chunk, r->wanted) != 0)
+        if (!io_exr_pread(r->file, packed, chunk->packed, chunk->offset) ||
+            io_exr_unpack(worker, chunk, r->wanted) != 0)
             report_bad(r, i);
     }
     io_exr_worker_close(worker);
@@ -53,18 +55,16 @@ static int read_flat(const io_picture *picture, int index, const io_part *part, 
                      const io_exr_chunk *chunks, io_error *error) {
     const io_exr_source *source = io_exr_source_of(picture);
     const io_exr_part *layout = &source->part[index];
-    reading r = {.picture = picture, .chunks = chunks, .wanted = wanted, .file = source->file, .count = layout->flat_count};
+    reading r = {
+        .picture = picture, .chunks = chunks, .wanted = wanted, .file = source->file, .count = layout->flat_count};
     atomic_init(&r.first_bad, r.count);
-    if (!(r.codec = io_exr_codec_open(picture->path, part, layout, false, error)))
-        return -1;
+    if (!(r.codec = io_exr_codec_open(picture->path, part, layout, false, error))) return -1;
     int threads = io_thread_count(source->options.threads);
     io_parallel(threads, threads < r.count ? threads : r.count, read_chunks, &r);
     io_exr_codec_close(r.codec);
     int bad = atomic_load(&r.first_bad);
-    if (atomic_load(&r.no_memory))
-        return io_fail(error, "%s: not enough memory", picture->path);
-    if (bad < r.count)
-        return io_exr_bad_chunk(picture, index, &chunks[bad], false, error);
+    if (atomic_load(&r.no_memory)) return io_fail(error, "%s: not enough memory", picture->path);
+    if (bad < r.count) return io_exr_bad_chunk(picture, index, &chunks[bad], false, error);
     return 0;
 }
 
@@ -85,8 +85,7 @@ static int make_plain_file(const io_picture *picture, int index, const io_exr_ch
     for (int i = 0; i < layout->flat_count; i++)
         end += leader + chunks[i].packed;
     unsigned char *data = file->failed ? NULL : realloc(file->data, (size_t)end);
-    if (!data)
-        return io_fail(error, "%s: not enough memory", picture->path);
+    if (!data) return io_fail(error, "%s: not enough memory", picture->path);
     file->data = data;
     for (int i = 0; i < layout->flat_count; i++) {
         io_put64(data + file->size + 8 * (size_t)i, at);
@@ -106,27 +105,62 @@ static int make_plain_file(const io_picture *picture, int index, const io_exr_ch
     return 0;
 }
 
+typedef struct dwa_reading {
+    const io_bytes *file;
+    const io_part *part;
+    const io_exr_slice *slices;
+    int slice_count;
+    int band; /* lines a task decodes: a row of chunks */
+    pthread_mutex_t mutex;
+    int bad;          /* the first band that failed, INT_MAX: none */
+    char reason[200]; /* why */
+} dwa_reading;
+
+static void read_band(void *data, int index) {
+    dwa_reading *r = data;
+    const io_box *w = &r->part->data;
+    int top = w->y + index * r->band, left = w->height - index * r->band;
+    int bottom = top + (r->band < left ? r->band : left) - 1;
+    char reason[sizeof r->reason];
+    if (io_exr_dwa_decode(r->file->data, r->file->size, w->x, w->y, top, bottom, r->slices, r->slice_count, reason,
+                          sizeof reason) == 0)
+        return;
+    pthread_mutex_lock(&r->mutex);
+    if (index < r->bad) {
+        r->bad = index;
+        memcpy(r->reason, reason, sizeof reason);
+    }
+    pthread_mutex_unlock(&r->mutex);
+}
+
+static int read_bands(dwa_reading *r, const io_picture *picture, const io_exr_part *layout, io_error *error) {
+    int height = r->part->data.height, lines = layout->tiled ? layout->tile_height : layout->lines;
+    r->band = lines < height ? lines : height;
+    pthread_mutex_init(&r->mutex, NULL);
+    io_parallel(io_exr_source_of(picture)->options.threads, (height - 1) / r->band + 1, read_band, r);
+    pthread_mutex_destroy(&r->mutex);
+    if (r->bad == INT_MAX) return 0;
+    int top = r->part->data.y + r->bad * r->band, left = height - r->bad * r->band;
+    return io_fail(error, "%s: rows %d to %d are damaged (%s); copy or write the file again", picture->path, top,
+                   top + (r->band < left ? r->band : left) - 1, r->reason);
+}
+
 static int read_dwa(const io_picture *picture, int index, const io_part *part, const bool *wanted,
                     const io_exr_chunk *chunks, io_error *error) {
     static const int types[] = {[IO_UINT] = 0, [IO_HALF] = 1, [IO_FLOAT] = 2};
     const io_exr_part *layout = &io_exr_source_of(picture)->part[index];
     io_exr_slice *slices = calloc((size_t)part->channel_count, sizeof *slices);
     io_bytes file = {0};
-    int count = 0, result = slices ? 0 : io_fail(error, "%s: not enough memory", picture->path);
+    dwa_reading r = {.file = &file, .part = part, .slices = slices, .bad = INT_MAX};
+    int result = slices ? 0 : io_fail(error, "%s: not enough memory", picture->path);
     for (int i = 0; slices && i < part->channel_count; i++) {
         const io_channel *c = &part->channel[i];
         if (wanted[i])
-            slices[count++] = (io_exr_slice){c->name,       types[layout->type[i]], c->x_sampling, c->y_sampling,
-                                             c->width, c->data};
+            slices[r.slice_count++] =
+                (io_exr_slice){c->name, types[layout->type[i]], c->x_sampling, c->y_sampling, c->width, c->data};
     }
-    if (result == 0)
-        result = make_plain_file(picture, index, chunks, &file, error);
-    char reason[200];
-    if (result == 0 && io_exr_dwa_decode(file.data, file.size, part->data.x, part->data.y, part->data.height, slices, count,
-                                         io_thread_count(io_exr_source_of(picture)->options.threads), reason,
-                                         sizeof reason) != 0)
-        result = io_fail(error, "%s: its DWA compressed pixels are damaged (%s); copy or write the file again",
-                         picture->path, reason);
+    if (result == 0) result = make_plain_file(picture, index, chunks, &file, error);
+    if (result == 0) result = read_bands(&r, picture, layout, error);
     free(file.data);
     free(slices);
     return result;
@@ -137,30 +171,33 @@ static int read_dwa(const io_picture *picture, int index, const io_part *part, c
 static int read_dwa(const io_picture *picture, int index, const io_part *part, const bool *wanted,
                     const io_exr_chunk *chunks, io_error *error) {
     (void)index, (void)wanted, (void)chunks;
-    return io_fail(error, "%s: is compressed as %s, which this build cannot read; write it as ZIP or PIZ", picture->path,
-                   part->compression);
+    return io_fail(error, "%s: is compressed as %s, which this build cannot read; write it as ZIP or PIZ",
+                   picture->path, part->compression);
 }
 
 #endif
 
 /* ------------------------------------------------------------------------- a part */
 
+static uint64_t channel_bytes(const io_channel *channel) {
+    return (uint64_t)channel->width * (uint64_t)channel->height * io_type_size(channel->type);
+}
+
 int io_exr_read_part(const io_picture *picture, int index, io_part *part, const bool *wanted, io_error *error) {
     const io_exr_part *layout = &io_exr_source_of(picture)->part[index];
     bool dwa = layout->compression == IO_EXR_DWAA || layout->compression == IO_EXR_DWAB;
     io_exr_chunk *chunks;
     /* Before any memory is taken: a file that is cut off is told from its chunk table. */
-    if (io_exr_locate_chunks(picture, index, true, &chunks, error) != 0)
-        return -1;
-    int result = 0;
+    if (io_exr_locate_chunks(picture, index, true, &chunks, error) != 0) return -1;
+    uint64_t bytes = 0;
+    for (int i = 0; i < part->channel_count; i++)
+        if (wanted[i]) bytes += channel_bytes(&part->channel[i]);
+    int result = io_check_memory(picture->path, bytes, error);
     for (int i = 0; result == 0 && i < part->channel_count; i++)
-        if (wanted[i])
-            result = io_channel_allocate(&part->channel[i], error, picture->path);
-    if (result == 0)
-        result = (dwa ? read_dwa : read_flat)(picture, index, part, wanted, chunks, error);
+        if (wanted[i]) result = io_channel_allocate(&part->channel[i], error, picture->path);
+    if (result == 0) result = (dwa ? read_dwa : read_flat)(picture, index, part, wanted, chunks, error);
     for (int i = 0; result != 0 && i < part->channel_count; i++)
-        if (wanted[i])
-            io_channel_release(&part->channel[i]);
+        if (wanted[i]) io_channel_release(&part->channel[i]);
     free(chunks);
     return result;
 }

@@ -1,9 +1,9 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* All parts into a new file. The header is that of the source, attribute by attribute, but for the few that must change. A part
- * in which nothing was changed is copied chunk by chunk, whatever it holds: deep samples, levels, lossy pixels stay as they
- * are. Others are compressed on several threads and written in the order of the source. */
+/* All parts into a new file. The header is that of the source, attribute by attribute, but for the few that must
+ * change. A part in which nothing was changed is copied chunk by chunk, whatever it holds: deep samples, levels, lossy
+ * pixels stay as they are. Others are compressed on several threads and written in the order of the source. */
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -36,25 +36,22 @@ typedef struct output {
 } output;
 
 static void put(output *o, const void *data, size_t size) {
-    if (!o->code && size && fwrite(data, 1, size, o->file) != size)
-        o->code = errno ? errno : EIO;
+    if (!o->code && size && fwrite(data, 1, size, o->file) != size) o->code = errno ? errno : EIO;
     o->position += size;
 }
 
 static void put_bytes(output *o, io_bytes *bytes) {
-    if (bytes->failed && !o->code)
-        o->code = ENOMEM;
+    if (bytes->failed && !o->code) o->code = ENOMEM;
     put(o, bytes->data, bytes->size);
     free(bytes->data);
 }
 
 static void add_note(output *o, const outgoing *out, const char *text) {
-    if (!o->note)
-        return;
-    size_t used = strlen(o->note->text);
-    const char *name = out->part.name;
-    snprintf(o->note->text + used, sizeof o->note->text - used, "%s%s%s%s%s%s", used ? "; " : o->path,
-             used ? "" : ": ", name[0] ? "part " : "", name, name[0] ? ": " : "", text);
+    if (!o->note) return;
+    const char *name = o->picture->part_count > 1 ? out->part.name : "";
+    io_error before = *o->note;
+    io_fail(o->note, "%s%s%s%s%s%s", before.text[0] ? before.text : o->path, before.text[0] ? "; " : ": ",
+            name[0] ? "part " : "", name, name[0] ? ": " : "", text);
 }
 
 /* ------------------------------------------------------------------------- planning */
@@ -83,8 +80,7 @@ static int copy_channels(output *o, outgoing *out) {
 static int plan_encoding(output *o, outgoing *out, int index) {
     io_exr_part *layout = &out->layout;
     bool unread = false, again = false;
-    if (copy_channels(o, out) != 0)
-        return -1;
+    if (copy_channels(o, out) != 0) return -1;
     for (int i = 0; i < out->part.channel_count; i++) {
         const io_channel *channel = &out->part.channel[i];
         unread |= out->own[i] = !channel->data;
@@ -112,8 +108,11 @@ static int plan_part(output *o, int index) {
     outgoing *out = &o->part[index];
     out->part = o->picture->part[index];
     out->layout = o->source->part[index];
-    out->layout.window = out->part.data;
-    bool changed = o->source->file < 0;
+    bool made = o->source->file < 0, changed = made;
+    if (made)
+        out->layout.window = out->part.data;
+    else
+        out->part.data = out->layout.window; /* as its header says */
     for (int i = 0; i < out->part.channel_count; i++)
         changed |= out->part.channel[i].modified;
     out->copied = out->layout.deep || !changed;
@@ -126,8 +125,7 @@ static int plan_part(output *o, int index) {
 static void free_plan(outgoing *out) {
     if (out->own) {
         for (int i = 0; i < out->part.channel_count; i++)
-            if (out->own[i])
-                io_channel_release(&out->part.channel[i]);
+            if (out->own[i]) io_channel_release(&out->part.channel[i]);
         free(out->part.channel);
         free(out->layout.type);
         free(out->own);
@@ -151,8 +149,7 @@ static void patch_channels(unsigned char *value, const outgoing *out) {
 
 static void append_patched(io_bytes *bytes, const io_exr_attribute *attribute, const outgoing *out) {
     io_exr_append_attribute(bytes, attribute);
-    if (bytes->failed || out->copied)
-        return;
+    if (bytes->failed || out->copied) return;
     unsigned char *value = bytes->data + (bytes->size - attribute->size);
     if (strcmp(attribute->name, "channels") == 0)
         patch_channels(value, out);
@@ -179,8 +176,7 @@ static void put_header(output *o) {
             append_patched(&bytes, &out->layout.attribute[a], out);
         io_bytes_append_text(&bytes, "");
     }
-    if (version & IO_EXR_FLAG_MULTIPART)
-        io_bytes_append_text(&bytes, "");
+    if (version & IO_EXR_FLAG_MULTIPART) io_bytes_append_text(&bytes, "");
     put_bytes(o, &bytes);
 }
 
@@ -213,8 +209,7 @@ static int copy_part(output *o, int index) {
     io_exr_chunk *chunks = NULL;
     int result = buffer ? io_exr_locate_chunks(o->picture, index, false, &chunks, o->error)
                         : io_fail(o->error, "%s: not enough memory", o->path);
-    if (result == 0)
-        qsort(chunks, (size_t)out->layout.chunk_count, sizeof *chunks, by_offset);
+    if (result == 0) qsort(chunks, (size_t)out->layout.chunk_count, sizeof *chunks, by_offset);
     for (int i = 0; result == 0 && !o->code && i < out->layout.chunk_count; i++) {
         out->offset[chunks[i].index] = o->position;
         for (uint64_t done = 0; result == 0 && done < chunks[i].whole;) {
@@ -306,11 +301,9 @@ static void encode_chunks(void *data, int unused) {
         io_exr_place_chunk(&out->part, &out->layout, io_exr_chunk_at(&out->layout, position), &chunk);
         const unsigned char *packed = worker ? io_exr_pack(worker, &chunk) : NULL;
         packed_chunk kept = {packed ? malloc((size_t)chunk.packed + 1) : NULL, (size_t)chunk.packed};
-        if (kept.data)
-            memcpy(kept.data, packed, kept.size);
+        if (kept.data) memcpy(kept.data, packed, kept.size);
         hand_in(e, position, kept);
-        if (!kept.data)
-            break;
+        if (!kept.data) break;
     }
     io_exr_worker_close(worker);
 }
@@ -320,21 +313,20 @@ static int encode_part(output *o, int index) {
     int count = out->layout.chunk_count;
     io_exr_chunk largest;
     io_exr_place_chunk(&out->part, &out->layout, 0, &largest);
-    if (largest.unpacked > INT32_MAX / 2)
-        return io_fail(o->error, "%s: one block of rows is larger than 1 GiB, which EXR cannot hold; use another "
-                                 "compression or smaller tiles",
+    if (largest.unpacked > INT32_MAX)
+        return io_fail(o->error,
+                       "%s: one block of rows is larger than 2 GiB, which EXR cannot hold; use another "
+                       "compression or smaller tiles",
                        o->path);
     encoding e = {.o = o, .index = index, .packed = calloc((size_t)count, sizeof *e.packed)};
-    if (!e.packed)
-        return io_fail(o->error, "%s: not enough memory", o->path);
+    if (!e.packed) return io_fail(o->error, "%s: not enough memory", o->path);
     e.codec = io_exr_codec_open(o->path, &out->part, &out->layout, true, o->error);
     int result = e.codec ? 0 : -1;
     if (result == 0) {
         pthread_mutex_init(&e.mutex, NULL);
         io_parallel(o->threads, o->threads < count ? o->threads : count, encode_chunks, &e);
         pthread_mutex_destroy(&e.mutex);
-        if (e.no_memory)
-            result = io_fail(o->error, "%s: not enough memory", o->path);
+        if (e.no_memory) result = io_fail(o->error, "%s: not enough memory", o->path);
     }
     for (int i = 0; i < count; i++)
         free(e.packed[i].data);
@@ -352,10 +344,8 @@ static int write_parts(output *o) {
     put_tables(o);
     for (int i = 0; result == 0 && !o->code && i < o->picture->part_count; i++)
         result = o->part[i].copied ? copy_part(o, i) : encode_part(o, i);
-    if (result == 0 && !o->code && fseeko(o->file, (off_t)tables, SEEK_SET) != 0)
-        o->code = errno;
-    if (result == 0 && !o->code)
-        put_tables(o);
+    if (result == 0 && !o->code && fseeko(o->file, (off_t)tables, SEEK_SET) != 0) o->code = errno;
+    if (result == 0 && !o->code) put_tables(o);
     return result;
 }
 
@@ -376,16 +366,13 @@ int io_exr_write(const io_picture *picture, const char *temporary, const char *p
         o.file = file >= 0 ? fdopen(file, "wb") : NULL;
         if (!o.file) {
             o.code = errno;
-            if (file >= 0)
-                close(file);
+            if (file >= 0) close(file);
         } else {
             setvbuf(o.file, NULL, _IOFBF, 1 << 18);
             result = write_parts(&o);
-            if (fclose(o.file) != 0 && !o.code)
-                o.code = errno;
+            if (fclose(o.file) != 0 && !o.code) o.code = errno;
         }
-        if (result == 0 && o.code)
-            result = io_fail_write(error, path, o.code);
+        if (result == 0 && o.code) result = io_fail_write(error, path, o.code);
     }
     for (int i = 0; o.part && i < picture->part_count; i++)
         free_plan(&o.part[i]);

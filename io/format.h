@@ -47,6 +47,10 @@ void io_channel_release(io_channel *channel);
 /* Refuses width x height beyond options->max_pixels or outside 1..2^20 a side. */
 int io_check_size(const char *path, int64_t width, int64_t height, const io_options *options, io_error *error);
 
+/* Refuses pixels that would not fit into the machine's memory, before any of it is taken: allocation itself does not
+ * fail on most systems, but the process is killed later. */
+int io_check_memory(const char *path, uint64_t bytes, io_error *error);
+
 /* sRGB transfer curve (IEC 61966-2-1), on 0..1; values outside go through the same curve, odd around 0. */
 float io_srgb_to_linear(float encoded);
 float io_linear_to_srgb(float linear);

@@ -26,8 +26,7 @@ int io_thread_count(int threads) {
 #if defined(__linux__)
         /* A farm gives a job some of the machine's processors: more threads than those only wait for each other. */
         cpu_set_t set;
-        if (sched_getaffinity(0, sizeof set, &set) == 0)
-            threads = CPU_COUNT(&set);
+        if (sched_getaffinity(0, sizeof set, &set) == 0) threads = CPU_COUNT(&set);
 #endif
     }
     return threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads;
@@ -44,8 +43,7 @@ void io_parallel(int threads, int count, void (*task)(void *data, int index), vo
     pthread_t thread[MAX_THREADS];
     loop l = {.task = task, .data = data, .count = count};
     int wanted = io_thread_count(threads), started = 0;
-    if (wanted > count)
-        wanted = count;
+    if (wanted > count) wanted = count;
     /* A thread that cannot be had is no error: the others do its share. */
     while (started < wanted - 1 && pthread_create(&thread[started], NULL, work, &l) == 0)
         started++;

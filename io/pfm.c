@@ -33,11 +33,14 @@ static bool next_word(FILE *file, char *word, size_t size) {
     int c = getc(file);
     while (ftell(file) < LONGEST_HEADER && (isspace(c) || c == '#')) {
         if (c == '#')
-            while (c != '\n' && c != EOF && ftell(file) < LONGEST_HEADER) c = getc(file);
-        else c = getc(file);
+            while (c != '\n' && c != EOF && ftell(file) < LONGEST_HEADER)
+                c = getc(file);
+        else
+            c = getc(file);
     }
     size_t length = 0;
-    for (; c != EOF && !isspace(c) && length + 1 < size; c = getc(file)) word[length++] = (char)c;
+    for (; c != EOF && !isspace(c) && length + 1 < size; c = getc(file))
+        word[length++] = (char)c;
     word[length] = '\0';
     return length > 0 && isspace(c);
 }
@@ -54,9 +57,11 @@ static bool parse_scale(const char *word, double *value) {
     double sign = *word == '-' ? -1 : 1, number = 0, place = 1;
     bool digits = false;
     if (*word == '-' || *word == '+') word++;
-    for (; isdigit((unsigned char)*word); word++, digits = true) number = number * 10 + (*word - '0');
+    for (; isdigit((unsigned char)*word); word++, digits = true)
+        number = number * 10 + (*word - '0');
     if (*word == '.')
-        for (word++; isdigit((unsigned char)*word); word++, digits = true) number += (*word - '0') * (place /= 10);
+        for (word++; isdigit((unsigned char)*word); word++, digits = true)
+            number += (*word - '0') * (place /= 10);
     if (digits && (*word == 'e' || *word == 'E')) {
         char *end;
         long exponent = strtol(word + 1, &end, 10);
@@ -85,10 +90,13 @@ static int read_header(io_picture *picture, FILE *file, io_error *error) {
         !next_word(file, word, sizeof word) || !parse_scale(word, &scale))
         return io_fail(error, "%s: the PFM header is not \"PF width height scale\"; export the picture again", path);
     if (scale == 0 || !isfinite((float)scale) || (float)scale == 0)
-        return io_fail(error, "%s: the PFM scale is %s, it must be a number other than 0; export the picture again", path,
-                       word);
+        return io_fail(error, "%s: the PFM scale is %s, it must be a number other than 0; export the picture again",
+                       path, word);
     if (io_check_size(path, width, height, &source->options, error) < 0) return -1;
-    const int channels = strcmp(magic, "PF4") == 0 ? 4 : strcmp(magic, "PF") == 0 ? 3 : strcmp(magic, "Pf") == 0 ? 1 : 0;
+    const int channels = strcmp(magic, "PF4") == 0  ? 4
+                         : strcmp(magic, "PF") == 0 ? 3
+                         : strcmp(magic, "Pf") == 0 ? 1
+                                                    : 0;
     if (channels == 0) return io_fail(error, "%s: is no PFM file", path);
     source->big_endian = scale > 0;
     source->scale = (float)fabs(scale);
@@ -96,9 +104,9 @@ static int read_header(io_picture *picture, FILE *file, io_error *error) {
     const int64_t length = io_file_length(file), bytes = width * height * channels * 4;
     skip_line_feed(file, source, length, bytes);
     if (length - source->data_offset < bytes)
-        return io_fail(error, "%s: is cut off: %lld x %lld pixels need %lld bytes, the file has %lld; get the file again",
-                       path, (long long)width, (long long)height, (long long)bytes,
-                       (long long)(length - source->data_offset));
+        return io_fail(
+            error, "%s: is cut off: %lld x %lld pixels need %lld bytes, the file has %lld; get the file again", path,
+            (long long)width, (long long)height, (long long)bytes, (long long)(length - source->data_offset));
     io_box box = {0, 0, (int)width, (int)height};
     io_part *part = io_add_part(picture, "", "", box, box);
     static const char *const rgb[] = {"R", "G", "B", "A"};
@@ -136,7 +144,8 @@ static float load(const unsigned char *p, bool big_endian) {
 static void store(unsigned char *p, float value, bool big_endian) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    for (int i = 0; i < 4; i++) p[big_endian ? 3 - i : i] = (unsigned char)(bits >> (8 * i));
+    for (int i = 0; i < 4; i++)
+        p[big_endian ? 3 - i : i] = (unsigned char)(bits >> (8 * i));
 }
 
 static int read_rows(io_picture *picture, FILE *file, unsigned char *row, const bool *wanted, io_error *error) {
@@ -151,11 +160,10 @@ static int read_rows(io_picture *picture, FILE *file, unsigned char *row, const 
             return io_fail(error, "%s: cannot be read at row %d of %d: %s", picture->path, y, height,
                            ferror(file) ? strerror(errno) : "the file ends early");
         for (int c = 0; c < channels; c++) {
+            if (!wanted[c]) continue;
             float *out = (float *)part->channel[c].data + (size_t)y * (size_t)width;
-            for (int x = 0; wanted[c] && x < width; x++)
-                out[x] = load(row + 4 * ((size_t)x * (size_t)channels + (size_t)c), source->big_endian);
-            if (source->scale != 1)
-                for (int x = 0; wanted[c] && x < width; x++) out[x] *= source->scale;
+            for (int x = 0; x < width; x++)
+                out[x] = load(row + 4 * ((size_t)x * (size_t)channels + (size_t)c), source->big_endian) * source->scale;
         }
     }
     return 0;
@@ -230,8 +238,11 @@ static int write_pfm(const io_picture *picture, const char *temporary, const cha
     FILE *file = fopen(temporary, "wb");
     if (file == NULL) return io_fail(error, "%s: cannot be written: %s", path, strerror(errno));
     const bool big_endian = picture->source->big_endian;
-    int status = fprintf(file, "%s\n%d %d\n%s\n", channels == 1 ? "Pf" : channels == 3 ? "PF" : "PF4", channel[0]->width,
-                         channel[0]->height, big_endian ? "1.0" : "-1.0") < 0
+    int status = fprintf(file, "%s\n%d %d\n%s\n",
+                         channels == 1   ? "Pf"
+                         : channels == 3 ? "PF"
+                                         : "PF4",
+                         channel[0]->width, channel[0]->height, big_endian ? "1.0" : "-1.0") < 0
                      ? -1
                      : write_rows(file, channel, channels, big_endian);
     int number = errno;

@@ -18,8 +18,7 @@ enum { HANDLERS = sizeof handlers / sizeof handlers[0], HEAD = 32, LONGEST_SIDE 
 
 const io_handler *io_handler_of(io_format format) {
     for (int i = 0; i < HANDLERS; i++)
-        if (handlers[i]->format == format)
-            return handlers[i];
+        if (handlers[i]->format == format) return handlers[i];
     return NULL;
 }
 
@@ -43,36 +42,33 @@ bool io_format_of_name(const char *path, io_format *format) {
 }
 
 int io_fail(io_error *error, const char *format, ...) {
-    if (!error)
-        return -1;
+    if (!error) return -1;
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
     for (char *c = error->text; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 127)
-            *c = '?';
+        if ((unsigned char)*c < ' ' || *c == 127) *c = '?';
     return -1;
 }
 
 /* ------------------------------------------------------------------------- memory */
 
-size_t io_type_size(io_type type) { return type == IO_HALF ? 2 : 4; }
+size_t io_type_size(io_type type) {
+    return type == IO_HALF ? 2 : 4;
+}
 
 static bool grow(void **array, int count, size_t size) {
     /* Powers of two: room is there unless count is one. */
-    if (count & (count - 1))
-        return true;
+    if (count & (count - 1)) return true;
     void *larger = realloc(*array, (size_t)(count ? 2 * count : 1) * size);
-    if (!larger)
-        return false;
+    if (!larger) return false;
     *array = larger;
     return true;
 }
 
 io_part *io_add_part(io_picture *picture, const char *name, const char *view, io_box data, io_box display) {
-    if (!grow((void **)&picture->part, picture->part_count, sizeof(io_part)))
-        return NULL;
+    if (!grow((void **)&picture->part, picture->part_count, sizeof(io_part))) return NULL;
     io_part *part = &picture->part[picture->part_count];
     *part = (io_part){.name = strdup(name ? name : ""),
                       .view = strdup(view ? view : ""),
@@ -94,8 +90,7 @@ static int samples(int origin, int size, int sampling) {
 }
 
 io_channel *io_add_channel(io_part *part, const char *name, io_type type, int x_sampling, int y_sampling) {
-    if (!grow((void **)&part->channel, part->channel_count, sizeof(io_channel)))
-        return NULL;
+    if (!grow((void **)&part->channel, part->channel_count, sizeof(io_channel))) return NULL;
     io_channel *channel = &part->channel[part->channel_count];
     *channel = (io_channel){.name = strdup(name),
                             .type = type,
@@ -103,8 +98,7 @@ io_channel *io_add_channel(io_part *part, const char *name, io_type type, int x_
                             .y_sampling = y_sampling,
                             .width = samples(part->data.x, part->data.width, x_sampling),
                             .height = samples(part->data.y, part->data.height, y_sampling)};
-    if (!channel->name)
-        return NULL;
+    if (!channel->name) return NULL;
     part->channel_count++;
     return channel;
 }
@@ -127,8 +121,7 @@ int io_channel_allocate(io_channel *channel, io_error *error, const char *path) 
 }
 
 void io_channel_release(io_channel *channel) {
-    if (!channel->data)
-        return;
+    if (!channel->data) return;
     void *block;
     memcpy(&block, (unsigned char *)channel->data - sizeof block, sizeof block);
     free(block);
@@ -149,13 +142,18 @@ int io_check_size(const char *path, int64_t width, int64_t height, const io_opti
     return 0;
 }
 
+int io_check_memory(const char *path, uint64_t bytes, io_error *error) {
+    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    if (pages <= 0 || page <= 0 || bytes / (uint64_t)page < (uint64_t)pages) return 0;
+    return io_fail(error, "%s: needs %llu MiB of memory, this machine has %llu; use a smaller picture", path,
+                   (unsigned long long)(bytes >> 20), (unsigned long long)pages * (unsigned long long)page >> 20);
+}
+
 void io_close(io_picture **picture) {
-    if (!picture || !*picture)
-        return;
+    if (!picture || !*picture) return;
     io_picture *p = *picture;
     const io_handler *handler = io_handler_of(p->format);
-    if (handler && p->source)
-        handler->close(p);
+    if (handler && p->source) handler->close(p);
     for (int i = 0; i < p->part_count; i++) {
         io_part *part = &p->part[i];
         for (int c = 0; c < part->channel_count; c++) {
@@ -188,25 +186,24 @@ static io_picture *new_picture(const char *path, io_format format, io_error *err
 static const io_handler *recognise(const char *path, io_error *error) {
     unsigned char head[HEAD];
     struct stat status;
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    if (file < 0 || fstat(file, &status) != 0) {
-        io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
-    } else if (!S_ISREG(status.st_mode)) {
+    ssize_t size = 0;
+    /* Asked before it is opened: to open a pipe is to wait for someone at its other end. */
+    int file = stat(path, &status) != 0 ? -1 : S_ISREG(status.st_mode) ? open(path, O_RDONLY | O_CLOEXEC) : -2;
+    if (file == -2) {
         io_fail(error, "%s: is %s; give a picture file", path,
                 S_ISDIR(status.st_mode) ? "a folder" : "no regular file (pictures are not read from pipes)");
-    } else if (status.st_size == 0) {
-        io_fail(error, "%s: is empty; write or copy it again", path);
-    } else {
-        ssize_t size = read(file, head, sizeof head);
-        close(file);
-        for (int i = 0; size > 0 && i < HANDLERS; i++)
-            if (handlers[i]->matches(head, (size_t)size))
-                return handlers[i];
-        io_fail(error, "%s: is no EXR, PNG, TIFF or PFM picture; convert it to one of these", path);
         return NULL;
     }
-    if (file >= 0)
-        close(file);
+    if (file < 0 || (size = read(file, head, sizeof head)) < 0)
+        io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
+    if (file >= 0) close(file);
+    if (file < 0 || size < 0) return NULL;
+    for (int i = 0; i < HANDLERS; i++)
+        if (handlers[i]->matches(head, (size_t)size)) return handlers[i];
+    io_fail(error,
+            size ? "%s: is no EXR, PNG, TIFF or PFM picture; convert it to one of these"
+                 : "%s: is empty; write or copy it again",
+            path);
     return NULL;
 }
 
@@ -214,11 +211,9 @@ int io_open(io_picture **picture, const char *path, io_meaning meaning, const io
     static const io_options defaults;
     *picture = NULL;
     const io_handler *handler = recognise(path, error);
-    if (!handler)
-        return -1;
+    if (!handler) return -1;
     io_picture *opened = new_picture(path, handler->format, error);
-    if (!opened)
-        return -1;
+    if (!opened) return -1;
     if (handler->open(opened, meaning, options ? options : &defaults, error) != 0) {
         io_close(&opened);
         return -1;
@@ -233,8 +228,7 @@ int io_read_channels(io_picture *picture, int part, const char *const *names, in
 
 int io_read(io_picture *picture, io_error *error) {
     for (int i = 0; i < picture->part_count; i++)
-        if (!picture->part[i].deep && io_read_channels(picture, i, NULL, 0, error) != 0)
-            return -1;
+        if (!picture->part[i].deep && io_read_channels(picture, i, NULL, 0, error) != 0) return -1;
     return 0;
 }
 
@@ -244,12 +238,10 @@ int io_create(io_picture **picture, io_format format, int width, int height, con
               io_type type, int bits, io_meaning meaning, io_error *error) {
     *picture = NULL;
     io_picture *made = new_picture("new picture", format, error);
-    if (!made)
-        return -1;
+    if (!made) return -1;
     io_box box = {0, 0, width, height};
     io_part *part = NULL;
-    if (io_check_size(made->path, width, height, NULL, error) != 0)
-        goto failed;
+    if (io_check_size(made->path, width, height, NULL, error) != 0) goto failed;
     part = io_add_part(made, "", "", box, box);
     for (int i = 0; part && i < name_count; i++) {
         io_channel *channel = io_add_channel(part, names[i], type, 1, 1);
@@ -257,8 +249,7 @@ int io_create(io_picture **picture, io_format format, int width, int height, con
             part = NULL;
         } else {
             channel->modified = true;
-            if (io_channel_allocate(channel, error, made->path) != 0)
-                goto failed;
+            if (io_channel_allocate(channel, error, made->path) != 0) goto failed;
         }
     }
     if (!part) {
@@ -266,8 +257,7 @@ int io_create(io_picture **picture, io_format format, int width, int height, con
         goto failed;
     }
     part->bits = bits;
-    if (io_handler_of(format)->create(made, meaning, error) != 0)
-        goto failed;
+    if (io_handler_of(format)->create(made, meaning, error) != 0) goto failed;
     *picture = made;
     return 0;
 failed:
@@ -277,7 +267,9 @@ failed:
 
 /* ------------------------------------------------------------------------- values */
 
-void io_channel_modified(io_channel *channel) { channel->modified = true; }
+void io_channel_modified(io_channel *channel) {
+    channel->modified = true;
+}
 
 int io_channel_retype(io_channel *channel, io_type type, io_error *error) {
     io_type old = channel->type;

@@ -5,8 +5,8 @@
  * its pixels are read, channels are replaced, and it is written whole under a temporary name, then renamed.
  *
  * No other part of the project knows a file format; the library (src/) knows no files at all.
- * Errors: functions return 0 on success, -1 on failure with one line in `error` that names the file, what is
- * wrong and what to do. Nothing prints. Thread-safety: one picture, one thread; pictures are independent. */
+ * Errors: functions return 0 on success, -1 on failure with one line in `error` (may be NULL) that names the file, what
+ * is wrong and what to do. Nothing prints. Thread-safety: one picture, one thread; pictures are independent. */
 #ifndef IO_PICTURE_H
 #define IO_PICTURE_H
 
@@ -15,7 +15,9 @@
 #include <stdint.h>
 
 enum { IO_ERROR_SIZE = 1024 };
-typedef struct io_error { char text[IO_ERROR_SIZE]; } io_error; /* "" when nothing is wrong */
+typedef struct io_error {
+    char text[IO_ERROR_SIZE];
+} io_error; /* "" when nothing is wrong */
 
 /* Value types in memory. Integer files (PNG, integer TIFF) become IO_FLOAT; see io_open. */
 typedef enum io_type { IO_HALF, IO_FLOAT, IO_UINT } io_type;
@@ -26,10 +28,12 @@ const char *io_format_name(io_format format); /* "EXR", ... */
 /* By the name's ending (.exr .png .tif .tiff .pfm, any case); false when it is none of them. */
 bool io_format_of_name(const char *path, io_format *format);
 
-typedef struct io_box { int x, y, width, height; } io_box; /* top-left inclusive */
+typedef struct io_box {
+    int x, y, width, height;
+} io_box; /* top-left inclusive */
 
 typedef struct io_channel {
-    char *name;                 /* "R", "diffuse.R", "left.Z": as in the file. PNG/TIFF/PFM: R G B A or Y (A) */
+    char *name; /* "R", "diffuse.R", "left.Z": as in the file. PNG/TIFF/PFM: R G B A or Y (A) */
     io_type type;
     int x_sampling, y_sampling; /* 1 but for subsampled EXR chroma */
     int width, height;          /* of the data */
@@ -39,15 +43,16 @@ typedef struct io_channel {
 } io_channel;
 
 typedef struct io_part {
-    char *name, *view;        /* "" when the file gives none */
-    io_box data, display;     /* windows */
+    char *name, *view;    /* "" when the file gives none; of several views in one part (multiView) the one whose
+                             channels have no prefix */
+    io_box data, display; /* windows */
     double pixel_aspect;
-    const char *compression;  /* "ZIP", "DWAA", "deflate", "none", ... static text */
-    const char *storage;      /* "scanline", "tiled", "deep scanline", "deep tiled", "mipmap tiled", ... */
-    int bits;                 /* of a sample in the file: 8, 16, 32 */
+    const char *compression; /* "ZIP", "DWAA", "deflate", "none", ... static text */
+    const char *storage;     /* "scanline", "tiled", "deep scanline", "deep tiled", "mipmap tiled", ... */
+    int bits;                /* of the largest sample in the file: 8, 16, 32 */
     bool deep, multi_level;
     int channel_count;
-    io_channel *channel;      /* in the order of the file */
+    io_channel *channel; /* in the order of the file */
 } io_part;
 
 typedef struct io_picture {
@@ -64,18 +69,20 @@ typedef enum io_meaning {
 } io_meaning;
 
 typedef struct io_options {
-    int threads;            /* for codecs; 0: as many as the process may use */
-    uint64_t max_pixels;    /* refuse larger declared sizes before allocating anything; 0: 2^31 pixels a channel */
+    int threads;         /* for codecs; 0: as many as the process may use */
+    uint64_t max_pixels; /* refuse larger declared sizes before allocating anything; 0: 2^31 pixels a channel */
 } io_options;
 
-/* Opens a file and reads its header: parts, channels, windows. The format is known by the file's first bytes, not its name.
- * A declared size that the file's length cannot hold is refused here. On failure *picture is NULL. */
+/* Opens a file and reads its header: parts, channels, windows. The format is known by the file's first bytes, not its
+ * name. A declared size that the file's length cannot hold is refused here. On failure *picture is NULL. */
 int io_open(io_picture **picture, const char *path, io_meaning meaning, const io_options *options, io_error *error);
 
-/* Reads the pixels of all parts (those that are not deep). Truncated or damaged pixels are an error that says which rows. */
+/* Reads the pixels of all parts (those that are not deep; of those with levels, the largest). Truncated or damaged
+ * pixels are an error that says which rows. */
 int io_read(io_picture *picture, io_error *error);
 
-/* Reads only the named channels of one part (names NULL: all channels of that part). */
+/* Reads only the named channels of one part (names NULL: all channels of that part). Channels read before are left
+ * alone. */
 int io_read_channels(io_picture *picture, int part, const char *const *names, int name_count, io_error *error);
 
 void io_close(io_picture **picture);
@@ -92,36 +99,45 @@ void io_channel_to_float(const io_channel *channel, float *out, size_t pixel_flo
 void io_channel_from_float(io_channel *channel, const float *in, size_t pixel_floats, size_t row_floats);
 
 /* A new picture in memory, to be written: one part, `names` channels of one type, zeroed data, data window = display
- * window = width x height. bits: 8 or 16 for PNG, 8/16/32 for TIFF, 32 for PFM, 16 (half) or 32 for EXR follow from type. */
+ * window = width x height; for EXR part->data.x, .y, ->display and ->pixel_aspect may be set before it is written. The
+ * channels are in the order of `names`, those of an EXR read again in the order of the alphabet. bits: 8 or 16 for PNG,
+ * 8/16/32 for TIFF, 32 for PFM, 16 (half) or 32 for EXR follow from type. */
 int io_create(io_picture **picture, io_format format, int width, int height, const char *const *names, int name_count,
               io_type type, int bits, io_meaning meaning, io_error *error);
 
-/* Writes the whole picture to `path`: all parts, all channels, all metadata, windows, pixel types and compression of the file
- * it was opened from (DWA, which cannot be written without the C++ library, becomes ZIP: *note says so). Written to a
- * temporary file in the same folder, flushed, then renamed: nothing is ever visible under `path` unless it is complete, and
- * a failure removes the temporary file. The picture's format must fit the name's ending.
+/* Writes the whole picture to `path`: all parts, all channels (also those never read), all metadata, windows, pixel
+ * types and compression of the file it was opened from. EXR parts without a modified channel are copied as they are,
+ * deep and lossy ones and those with levels too; in others DWA becomes ZIP and levels but the largest are dropped:
+ * *note says so. Written to a temporary file in the same folder (".ddof-<process>-<n>.tmp"), flushed, then renamed:
+ * nothing is ever visible under `path` unless it is complete, and a failure removes the temporary file. An existing
+ * file keeps its permissions, a symbolic link stays one and its target is written; `path` may be the file the picture
+ * was read from. Into devices and pipes
+ * (/dev/stdout) the finished file is poured. The name's ending must fit the picture's format, but for those.
  * note: receives one line of what could not be kept, "" when nothing; may be NULL. */
 int io_write(const io_picture *picture, const char *path, const io_options *options, io_error *note, io_error *error);
 
 /* ---- which channels are what (io/select.c) */
 
 typedef struct io_selection {
-    int part;              /* index, -1: none found */
-    int count;             /* 1..4 */
-    int channel[4];        /* indices in the part: R G B (A), Y (A), or one depth channel */
-    bool alpha;            /* the last one is alpha */
-    char prefix[256];      /* "" or "layer." or "view.layer." */
+    int part;         /* index, -1: none found */
+    int count;        /* 1..4 */
+    int channel[4];   /* indices in the part: R G B (A), Y (A), or one depth channel */
+    bool alpha;       /* the last one is alpha */
+    char prefix[256]; /* "" or "layer." or "view.layer." */
 } io_selection;
 
-/* Colour: `layer` NULL: the first of "R G B (A)" without prefix, "Combined"/"rgba"/"beauty"-like layers, then the first
- * prefix that has R G B, then Y (A), then red green blue in any case; in the first flat part that has it. `layer` given:
- * exactly that prefix, or a part of that name. The error lists what there is. */
+/* Colour: `layer` NULL: the first of "R G B (A)" without prefix (parts named like "beauty", "combined" or "rgba" before
+ * others), layers named like those, then the first prefix that has R G B, then Y (A), then red green blue in any case;
+ * in the first flat part that has it. `layer` given: exactly that prefix, or "part:prefix", or a part or a view of that
+ * name. The error lists what there is. Luminance with chroma (Y RY BY) and subsampled channels are refused. */
 int io_select_color(const io_picture *picture, const char *layer, io_selection *selection, io_error *error);
 
-/* Depth: `name` NULL: Z, then *.Z, depth.*, *.depth* and single-channel parts named like depth, preferring the same part, then
- * the same view, as `near_color` (may be NULL); a picture with one channel is its own depth. `name` given: exactly that
- * channel ("layer.Z", or "part:channel" when parts share names). The error lists the channels there are. */
-int io_select_depth(const io_picture *picture, const char *name, const io_selection *near_color, io_selection *selection,
-                    io_error *error);
+/* Depth: `name` NULL: Z, then *.Z (but not of a vector X Y Z), *depth, and what else is named like depth: a part's only
+ * channel, or one of depth.Y, depth.R...; of these the one of the same view as `near_color` (may be NULL), then with
+ * the same prefixes, then in the same part. Without near_color a picture with one channel (or Y A) is its own depth.
+ * `name` given: exactly that channel ("layer.Z", or "part:channel" when parts share names), or a part or layer with
+ * that channel only. The error lists the channels there are. */
+int io_select_depth(const io_picture *picture, const char *name, const io_selection *near_color,
+                    io_selection *selection, io_error *error);
 
 #endif

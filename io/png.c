@@ -24,9 +24,9 @@ typedef struct reader {
     int pass;
     /* What read_rows works on. */
     const io_source *source;
-    unsigned char *raw;   /* one row, or the whole picture when it is interlaced */
+    unsigned char *raw; /* one row, or the whole picture when it is interlaced */
     float *table, *alpha_table;
-    float *scratch;       /* a row for every channel nobody asked for */
+    float *scratch; /* a row for every channel nobody asked for */
     io_channel *channel;
     bool wanted[4];
 } reader;
@@ -132,8 +132,8 @@ static int choose_curve(io_source *source, const char *path, io_error *error) {
         int transfer = cicp->data[1]; /* ITU-T H.273 */
         if (transfer == 16 || transfer == 18)
             return io_fail(error,
-                           "%s: its colour is HDR video (%s), which is not decoded here; convert it to a linear EXR", path,
-                           transfer == 16 ? "PQ" : "HLG");
+                           "%s: its colour is HDR video (%s), which is not decoded here; convert it to a linear EXR",
+                           path, transfer == 16 ? "PQ" : "HLG");
         if (transfer == 8) source->coding.curve = IO_CURVE_LINEAR;
         return 0;
     }
@@ -161,8 +161,8 @@ static int check_header(const io_picture *picture, const io_source *source, read
     if (io_check_size(path, source->width, source->height, &source->options, error) < 0) return -1;
     uint64_t row = (uint64_t)png_get_rowbytes(r->png, r->info) + 1, length = (uint64_t)io_file_length(r->file);
     if (row * source->height / 1032 > length)
-        return io_fail(error, "%s: says %u x %u pixels, more than its %llu bytes can hold; it is damaged or cut off", path,
-                       (unsigned)source->width, (unsigned)source->height, (unsigned long long)length);
+        return io_fail(error, "%s: says %u x %u pixels, more than its %llu bytes can hold; it is damaged or cut off",
+                       path, (unsigned)source->width, (unsigned)source->height, (unsigned long long)length);
     return 0;
 }
 
@@ -229,10 +229,12 @@ static void convert_row(reader *r, const unsigned char *in, uint32_t y) {
                                            : r->scratch + (size_t)c * (size_t)width;
         if (source->bits == 16) {
             const unsigned char *p = in + 2 * c;
-            for (int x = 0; x < width; x++, p += 2 * channels) out[x] = table[p[0] << 8 | p[1]];
+            for (int x = 0; x < width; x++, p += 2 * channels)
+                out[x] = table[p[0] << 8 | p[1]];
         } else {
             const unsigned char *p = in + c;
-            for (int x = 0; x < width; x++, p += channels) out[x] = table[*p];
+            for (int x = 0; x < width; x++, p += channels)
+                out[x] = table[*p];
         }
     }
     io_decode_row(&source->coding, row, colours, channels % 2 == 0 ? row[channels - 1] : NULL, width);
@@ -251,7 +253,8 @@ static void read_rows(reader *r) {
     const size_t row_bytes = png_get_rowbytes(r->png, r->info);
     const uint32_t height = r->source->height;
     for (r->pass = 0; r->source->interlaced && r->pass < 7; r->pass++)
-        for (r->rows = 0; r->rows < height; r->rows++) png_read_row(r->png, r->raw + r->rows * row_bytes, NULL);
+        for (r->rows = 0; r->rows < height; r->rows++)
+            png_read_row(r->png, r->raw + r->rows * row_bytes, NULL);
     for (r->rows = 0; r->rows < height; r->rows++) {
         unsigned char *row = r->source->interlaced ? r->raw + r->rows * row_bytes : r->raw;
         if (!r->source->interlaced) png_read_row(r->png, row, NULL);
@@ -259,7 +262,9 @@ static void read_rows(reader *r) {
     }
 }
 
-static void read_tail(reader *r) { png_read_end(r->png, r->end); }
+static void read_tail(reader *r) {
+    png_read_end(r->png, r->end);
+}
 
 static int allocate(reader *r, const io_source *source, const char *path, io_error *error) {
     const size_t width = source->width, row = width * (size_t)source->channels * (size_t)(source->bits / 8);
@@ -274,13 +279,12 @@ static int allocate(reader *r, const io_source *source, const char *path, io_err
 }
 
 static int read_pixels(reader *r, io_source *source, const char *path, io_error *error) {
-    const char *what = r->cut ? "is cut off" : "is damaged";
-    if (source->width != png_get_image_width(r->png, r->info) || source->height != png_get_image_height(r->png, r->info) ||
-        guarded(r, start_rows) < 0)
+    if (source->width != png_get_image_width(r->png, r->info) ||
+        source->height != png_get_image_height(r->png, r->info) || guarded(r, start_rows) < 0)
         return io_fail(error, "%s: it changed since it was opened; try again", path);
     if (allocate(r, source, path, error) < 0) return -1;
     if (guarded(r, read_rows) < 0) {
-        what = r->cut ? "is cut off" : "is damaged";
+        const char *what = r->cut ? "is cut off" : "is damaged";
         if (source->interlaced && r->pass < 7)
             return io_fail(error, "%s: %s at row %u of interlacing pass %d of 7 (%s); get the file again", path, what,
                            (unsigned)r->rows, r->pass + 1, r->message.text);
@@ -327,7 +331,8 @@ static int create_png(io_picture *picture, io_meaning meaning, io_error *error) 
         return io_fail(error, "%s: PNG has 8 or 16 bits, not %d", picture->path, part->bits);
     int channels = io_plain_channels(part, channel);
     if (channels == 0)
-        return io_fail(error, "%s: PNG holds the channels Y, Y A, R G B or R G B A; write an EXR for others", picture->path);
+        return io_fail(error, "%s: PNG holds the channels Y, Y A, R G B or R G B A; write an EXR for others",
+                       picture->path);
     io_source *source = picture->source = calloc(1, sizeof *source);
     if (source == NULL) return io_fail(error, "%s: not enough memory", picture->path);
     source->created = true;
@@ -345,7 +350,8 @@ static int create_png(io_picture *picture, io_meaning meaning, io_error *error) 
 static void close_png(io_picture *picture) {
     io_source *source = picture->source;
     if (source == NULL) return;
-    for (int i = 0; i < source->chunk_count; i++) free(source->chunk[i].data);
+    for (int i = 0; i < source->chunk_count; i++)
+        free(source->chunk[i].data);
     free(source->chunk);
     free(source);
     picture->source = NULL;

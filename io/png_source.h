@@ -19,11 +19,11 @@ typedef struct io_png_chunk {
 typedef struct io_source {
     io_options options;
     io_coding coding;
-    bool created;    /* by io_create: there is no file it came from */
+    bool created; /* by io_create: there is no file it came from */
     uint32_t width, height;
-    int bits;        /* 8 or 16: what is decoded and written */
-    int file_bits;   /* 1, 2, 4, 8, 16 */
-    int channels;    /* decoded: Y, Y A, R G B, R G B A */
+    int bits;      /* 8 or 16: what is decoded and written */
+    int file_bits; /* 1, 2, 4, 8, 16 */
+    int channels;  /* decoded: Y, Y A, R G B, R G B A */
     bool palette, transparent /* tRNS */, interlaced, has_tail;
     int chunk_count; /* ancillary chunks but tRNS, raw, in the order of the file */
     io_png_chunk *chunk;

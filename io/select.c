@@ -17,7 +17,9 @@ static const char *last_name(const char *name) {
     return dot ? dot + 1 : name;
 }
 
-static size_t prefix_length(const char *name) { return (size_t)(last_name(name) - name); }
+static size_t prefix_length(const char *name) {
+    return (size_t)(last_name(name) - name);
+}
 
 static bool same_prefix(const char *a, const char *b) {
     return prefix_length(a) == prefix_length(b) && memcmp(a, b, prefix_length(a)) == 0;
@@ -26,8 +28,7 @@ static bool same_prefix(const char *a, const char *b) {
 static bool contains(const char *text, const char *word) {
     size_t length = strlen(word);
     for (; *text; text++)
-        if (strncasecmp(text, word, length) == 0)
-            return true;
+        if (strncasecmp(text, word, length) == 0) return true;
     return false;
 }
 
@@ -35,11 +36,17 @@ static bool like_beauty(const char *text) {
     return contains(text, "combined") || contains(text, "rgba") || contains(text, "beauty");
 }
 
-static bool like_depth(const char *text) { return contains(text, "depth") || contains(text, "zbuf"); }
+static bool like_depth(const char *text) {
+    return contains(text, "depth") || contains(text, "zbuf");
+}
 
-static bool is_z(const char *name) { return strcasecmp(name, "Z") == 0; }
+static bool is_z(const char *name) {
+    return strcasecmp(name, "Z") == 0;
+}
 
-static bool usable(const io_part *part) { return !part->deep; }
+static bool usable(const io_part *part) {
+    return !part->deep;
+}
 
 /* The channel `prefix` + one of the names, in any case when `any_case`. */
 static int find(const io_part *part, const char *prefix, size_t length, const char *const *names, bool any_case) {
@@ -86,8 +93,7 @@ static void choose(io_selection *s, const io_part *part, int index, size_t prefi
         s->channel[s->count++] = alpha;
         s->alpha = true;
     }
-    if (prefix < sizeof s->prefix)
-        memcpy(s->prefix, part->channel[channels[0]].name, prefix);
+    if (prefix < sizeof s->prefix) memcpy(s->prefix, part->channel[channels[0]].name, prefix);
 }
 
 static bool choose_rgb(const io_picture *picture, int index, const char *prefix, size_t length, bool any_case,
@@ -98,8 +104,7 @@ static bool choose_rgb(const io_picture *picture, int index, const char *prefix,
     int channels[4];
     for (int i = 0; i < 4; i++)
         channels[i] = find(part, prefix, length, any_case ? loose[i] : exact[i], any_case);
-    if (channels[0] < 0 || channels[1] < 0 || channels[2] < 0)
-        return false;
+    if (channels[0] < 0 || channels[1] < 0 || channels[2] < 0) return false;
     choose(s, part, index, length, channels, 3, channels[3]);
     return true;
 }
@@ -107,8 +112,7 @@ static bool choose_rgb(const io_picture *picture, int index, const char *prefix,
 static bool choose_grey(const io_picture *picture, int index, const char *prefix, size_t length, io_selection *s) {
     const io_part *part = &picture->part[index];
     int y = find_one(part, prefix, length, "Y");
-    if (y < 0)
-        return false;
+    if (y < 0) return false;
     choose(s, part, index, length, &y, 1, find_one(part, prefix, length, "A"));
     return true;
 }
@@ -133,12 +137,18 @@ static bool by_rule(const io_picture *picture, int index, int rule, io_selection
     const io_part *part = &picture->part[index];
     switch (rule) {
     /* Renderers that write each layer as a part give them all plain names of channels. */
-    case UNPREFIXED_BEAUTY: return like_beauty(part->name) && choose_rgb(picture, index, "", 0, false, s);
-    case UNPREFIXED: return choose_rgb(picture, index, "", 0, false, s);
-    case BEAUTY: return choose_prefixed(picture, index, like_beauty, false, s);
-    case PREFIXED: return choose_prefixed(picture, index, NULL, false, s);
-    case GREY: return choose_grey(picture, index, "", 0, s);
-    default: return choose_prefixed(picture, index, NULL, true, s);
+    case UNPREFIXED_BEAUTY:
+        return like_beauty(part->name) && choose_rgb(picture, index, "", 0, false, s);
+    case UNPREFIXED:
+        return choose_rgb(picture, index, "", 0, false, s);
+    case BEAUTY:
+        return choose_prefixed(picture, index, like_beauty, false, s);
+    case PREFIXED:
+        return choose_prefixed(picture, index, NULL, false, s);
+    case GREY:
+        return choose_grey(picture, index, "", 0, s);
+    default:
+        return choose_prefixed(picture, index, NULL, true, s);
     }
 }
 
@@ -162,8 +172,7 @@ static bool by_layer(const io_picture *picture, const char *layer, io_selection 
         bool in_part = name && strncmp(layer, part->name, name) == 0 && layer[name] == ':';
         char prefix[256];
         int length = snprintf(prefix, sizeof prefix, "%s.", in_part ? layer + name + 1 : layer);
-        if (!usable(part) || length >= (int)sizeof prefix)
-            continue;
+        if (!usable(part) || length >= (int)sizeof prefix) continue;
         if (choose_rgb(picture, p, prefix, (size_t)length, false, s) ||
             choose_grey(picture, p, prefix, (size_t)length, s) ||
             choose_rgb(picture, p, prefix, (size_t)length, true, s))
@@ -192,8 +201,7 @@ static int check_selection(const io_picture *picture, const io_selection *s, io_
 
 static bool all_deep(const io_picture *picture) {
     for (int p = 0; p < picture->part_count; p++)
-        if (usable(&picture->part[p]))
-            return false;
+        if (usable(&picture->part[p])) return false;
     return true;
 }
 
@@ -202,8 +210,7 @@ int io_select_color(const io_picture *picture, const char *layer, io_selection *
     *selection = (io_selection){.part = -1};
     if (layer ? by_layer(picture, layer, selection) : by_rules(picture, NULL, NULL, selection))
         return check_selection(picture, selection, error);
-    if (all_deep(picture))
-        return io_fail(error, "%s: holds deep samples only; flatten it first", picture->path);
+    if (all_deep(picture)) return io_fail(error, "%s: holds deep samples only; flatten it first", picture->path);
     list_channels(picture, list, sizeof list);
     if (layer)
         return io_fail(error, "%s: has no layer or part '%s' with R, G, B or Y; its channels are: %s", picture->path,
@@ -224,19 +231,14 @@ static bool in_vector(const io_part *part, const char *name) {
 static int depth_rank(const io_part *part, int channel) {
     static const char *const values[] = {"Z", "Y", "R", "V", "X"};
     const char *name = part->channel[channel].name, *last = last_name(name);
-    if (strcmp(name, "Z") == 0)
-        return in_vector(part, name) ? -1 : 0;
-    if (is_z(last))
-        return in_vector(part, name) ? -1 : 1;
-    if (like_depth(last))
-        return 2;
+    if (strcmp(name, "Z") == 0) return in_vector(part, name) ? -1 : 0;
+    if (is_z(last)) return in_vector(part, name) ? -1 : 1;
+    if (like_depth(last)) return 2;
     bool named = like_depth(name) || like_depth(part->name) || is_z(part->name);
-    if (named && part->channel_count == 1)
-        return 3;
+    if (named && part->channel_count == 1) return 3;
     /* depth.R or depth.Y of renderers that write a depth as a colour: one of them, and not its alpha. */
     for (int i = 0; named && i < (int)(sizeof values / sizeof values[0]); i++)
-        if (strcasecmp(last, values[i]) == 0)
-            return 4 + i;
+        if (strcasecmp(last, values[i]) == 0) return 4 + i;
     return -1;
 }
 
@@ -250,8 +252,7 @@ static int shared_words(const char *name, const char *prefix) {
 
 /* Larger is nearer to the colour. */
 static int nearness(const io_picture *picture, int part, const char *name, const io_selection *color) {
-    if (!color || color->part < 0)
-        return 0;
+    if (!color || color->part < 0) return 0;
     const io_part *a = &picture->part[part], *b = &picture->part[color->part];
     bool same_view = strcmp(a->view, b->view) == 0, some_view = a->view[0] && b->view[0];
     return (same_view ? 2 : some_view ? 0 : 1) * 1000 + shared_words(name, color->prefix) * 2 + (part == color->part);
@@ -268,8 +269,7 @@ static bool find_depth(const io_picture *picture, const io_selection *color, io_
         for (int c = 0; usable(&picture->part[p]) && c < picture->part[p].channel_count; c++) {
             int rank = depth_rank(&picture->part[p], c);
             int near = nearness(picture, p, picture->part[p].channel[c].name, color);
-            if (rank < 0 || near < best_near || (near == best_near && rank >= best_rank))
-                continue;
+            if (rank < 0 || near < best_near || (near == best_near && rank >= best_rank)) continue;
             best_near = near;
             best_rank = rank;
             choose_depth(s, picture, p, c);
@@ -304,8 +304,7 @@ static bool find_named(const io_picture *picture, const char *name, const io_sel
 /* A picture that holds nothing else: one channel, or grey with alpha. */
 static bool find_only(const io_picture *picture, io_selection *s) {
     const io_part *part = &picture->part[0];
-    if (picture->part_count != 1 || !usable(part) || part->channel_count < 1)
-        return false;
+    if (picture->part_count != 1 || !usable(part) || part->channel_count < 1) return false;
     int y = find_one(part, "", 0, "Y"), a = find_one(part, "", 0, "A");
     if (part->channel_count == 1)
         choose_depth(s, picture, 0, 0);
@@ -316,19 +315,17 @@ static bool find_only(const io_picture *picture, io_selection *s) {
     return true;
 }
 
-int io_select_depth(const io_picture *picture, const char *name, const io_selection *near_color, io_selection *selection,
-                    io_error *error) {
+int io_select_depth(const io_picture *picture, const char *name, const io_selection *near_color,
+                    io_selection *selection, io_error *error) {
     char list[600];
     *selection = (io_selection){.part = -1};
     bool found = name ? find_named(picture, name, near_color, selection)
                       : find_depth(picture, near_color, selection) || (!near_color && find_only(picture, selection));
-    if (found)
-        return check_selection(picture, selection, error);
-    if (all_deep(picture))
-        return io_fail(error, "%s: holds deep samples only; flatten it first", picture->path);
+    if (found) return check_selection(picture, selection, error);
+    if (all_deep(picture)) return io_fail(error, "%s: holds deep samples only; flatten it first", picture->path);
     list_channels(picture, list, sizeof list);
-    if (name)
-        return io_fail(error, "%s: has no channel '%s'; its channels are: %s", picture->path, name, list);
-    return io_fail(error, "%s: has no depth (Z, depth...); name its channel, or give another file; its channels are: %s",
+    if (name) return io_fail(error, "%s: has no channel '%s'; its channels are: %s", picture->path, name, list);
+    return io_fail(error,
+                   "%s: has no depth (Z, depth...); name its channel, or give another file; its channels are: %s",
                    picture->path, list);
 }

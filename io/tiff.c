@@ -5,8 +5,8 @@
  *
  * The first page is the picture; the others are copied as they are. Pixels stay in the order of the file, whatever the
  * Orientation tag says about showing them, and the tag is kept. Float samples are scene-linear numbers; integers hold
- * sRGB (a profile is kept, its curve taken to be sRGB's). Alpha follows ExtraSamples: unassociated alpha is multiplied in
- * after decoding; integer colour with associated alpha was multiplied after encoding, so it is divided, decoded and
+ * sRGB (a profile is kept, its curve taken to be sRGB's). Alpha follows ExtraSamples: unassociated alpha is multiplied
+ * in after decoding; integer colour with associated alpha was multiplied after encoding, so it is divided, decoded and
  * multiplied again. An extra sample of no stated meaning is called A when it is the only one, and left alone. */
 #include <errno.h>
 #include <math.h>
@@ -53,7 +53,9 @@ static const compression *find_compression(uint16_t code) {
     return &unknown;
 }
 
-const char *io_tiff_compression_name(uint16_t code) { return find_compression(code)->name; }
+const char *io_tiff_compression_name(uint16_t code) {
+    return find_compression(code)->name;
+}
 
 bool io_tiff_has_predictor(uint16_t code) {
     return code == COMPRESSION_LZW || code == COMPRESSION_DEFLATE || code == COMPRESSION_ADOBE_DEFLATE ||
@@ -67,16 +69,18 @@ static int check_samples(const char *path, io_source *source, uint16_t format, i
     const uint16_t photometric = source->photometric, bits = source->bits;
     if (photometric == PHOTOMETRIC_YCBCR) {
         if (source->compression != COMPRESSION_JPEG)
-            return io_fail(error, "%s: is a YCbCr TIFF, which is only read with JPEG compression; convert it to RGB", path);
+            return io_fail(error, "%s: is a YCbCr TIFF, which is only read with JPEG compression; convert it to RGB",
+                           path);
     } else if (photometric > PHOTOMETRIC_PALETTE) {
         return io_fail(error, "%s: is a %s TIFF (photometric interpretation %d); convert it to RGB", path,
-                       photometric <= 10 && refused[photometric] != NULL ? refused[photometric] : "special", photometric);
+                       photometric <= 10 && refused[photometric] != NULL ? refused[photometric] : "special",
+                       photometric);
     }
     if (source->compression == COMPRESSION_OJPEG)
         return io_fail(error, "%s: has old-style JPEG compression; convert it, e.g. with tiffcp -c lzw", path);
     if (!TIFFIsCODECConfigured(source->compression))
-        return io_fail(error, "%s: has %s compression (%d), which the installed libtiff cannot decode; convert it", path,
-                       io_tiff_compression_name(source->compression), source->compression);
+        return io_fail(error, "%s: has %s compression (%d), which the installed libtiff cannot decode; convert it",
+                       path, io_tiff_compression_name(source->compression), source->compression);
     if (format == SAMPLEFORMAT_IEEEFP && (bits == 16 || bits == 32 || bits == 64)) {
         source->kind = bits == 16 ? IO_TIFF_HALF : bits == 32 ? IO_TIFF_FLOAT : IO_TIFF_DOUBLE;
         if (photometric == PHOTOMETRIC_MINISWHITE || photometric == PHOTOMETRIC_PALETTE)
@@ -107,8 +111,11 @@ static int choose_channels(const char *path, io_source *source, TIFF *tiff, io_e
     source->colours = rgb ? 3 : 1;
     source->alpha = -1;
     if (samples > IO_TIFF_MOST_SAMPLES || samples < source->colours || (palette && samples != 1))
-        return io_fail(error, "%s: has %d samples a pixel, which is not possible for %s; export it again", path, samples,
-                       palette ? "a palette" : rgb ? "RGB" : "grey");
+        return io_fail(error, "%s: has %d samples a pixel, which is not possible for %s; export it again", path,
+                       samples,
+                       palette ? "a palette"
+                       : rgb   ? "RGB"
+                               : "grey");
     const int extras = samples - source->colours;
     for (int i = 0; i < extras; i++) {
         source->extra[i] = said && count == extras ? types[i] : EXTRASAMPLE_UNSPECIFIED;
@@ -143,8 +150,10 @@ static int keep_palette(const char *path, io_source *source, TIFF *tiff, io_erro
         every_high |= value >> 8;
     }
     for (size_t i = 0; i < 3 * size; i++) {
-        if (every_high == 0) source->palette[i] = (uint16_t)(source->palette[i] * 257);
-        else if (every_low == 0) source->palette[i] = (uint16_t)((source->palette[i] >> 8) * 257);
+        if (every_high == 0)
+            source->palette[i] = (uint16_t)(source->palette[i] * 257);
+        else if (every_low == 0)
+            source->palette[i] = (uint16_t)((source->palette[i] >> 8) * 257);
     }
     return 0;
 }
@@ -152,15 +161,17 @@ static int keep_palette(const char *path, io_source *source, TIFF *tiff, io_erro
 /* ------------------------------------------------------------------------- how they lie in the file */
 
 static int check_layout(const char *path, io_source *source, uint64_t length, io_error *error) {
-    const uint64_t bits = (uint64_t)source->bits * source->samples, ratio = find_compression(source->compression)->ratio;
+    const uint64_t bits = (uint64_t)source->bits * source->samples,
+                   ratio = find_compression(source->compression)->ratio;
     if (io_check_size(path, source->width, source->height, &source->options, error) < 0) return -1;
     const uint64_t bytes = (source->width * bits + 7) / 8 * source->height;
     if (ratio > 0 && bytes / ratio > length)
-        return io_fail(error, "%s: says %u x %u pixels, more than its %llu bytes can hold; it is damaged or cut off", path,
-                       (unsigned)source->width, (unsigned)source->height, (unsigned long long)length);
+        return io_fail(error, "%s: says %u x %u pixels, more than its %llu bytes can hold; it is damaged or cut off",
+                       path, (unsigned)source->width, (unsigned)source->height, (unsigned long long)length);
     const uint64_t width = source->block_width, height = source->block_height;
     if (width == 0 || height == 0 || width > 1u << 24 || height > 1u << 24)
-        return io_fail(error, "%s: the size of its %s is damaged; export it again", path, source->tiled ? "tiles" : "strips");
+        return io_fail(error, "%s: the size of its %s is damaged; export it again", path,
+                       source->tiled ? "tiles" : "strips");
     /* A tile may be larger than a small picture, but not to any extent. */
     const uint64_t block = (width * bits + 7) / 8 * height, most = (64u << 20) + 4 * bytes;
     if (source->tiled && block > most)
@@ -199,9 +210,11 @@ static int get_header(const char *path, io_source *source, io_tiff_file *file, i
     const void *version = NULL;
     if (TIFFGetField(tiff, TIFFTAG_DNGVERSION, &version))
         return io_fail(error, "%s: is a camera raw file (DNG); develop it to a TIFF or EXR first", path);
-    if (!TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &source->width) || !TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &source->height) ||
+    if (!TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &source->width) ||
+        !TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &source->height) ||
         !TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &source->photometric))
-        return io_fail(error, "%s: its first page is no picture (size or colour tags are missing); export it again", path);
+        return io_fail(error, "%s: its first page is no picture (size or colour tags are missing); export it again",
+                       path);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &source->bits);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &source->samples);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &source->compression);
@@ -218,10 +231,10 @@ static int get_header(const char *path, io_source *source, io_tiff_file *file, i
 
 /* Tags of how pixels lie in the file, which libtiff writes anew, and those that would be wrong afterwards. */
 static bool is_carried_over(uint16_t tag) {
-    static const uint16_t ours[] = {256,   257,   258,   259,   262,   266,   273,   277,   278,   279,   284,   288,
-                                    289,   292,   293,   317,   320,   322,   323,   324,   325,   330,   338,   339,
-                                    347,   512,   513,   514,   515,   517,   518,   519,   520,   521,   529,   530,
-                                    531,   532,   559,   32995, 32996, 32997, 32998, 37724, 50674};
+    static const uint16_t ours[] = {256, 257, 258, 259,   262,   266,   273,   277,   278,  279, 284, 288,
+                                    289, 292, 293, 317,   320,   322,   323,   324,   325,  330, 338, 339,
+                                    347, 512, 513, 514,   515,   517,   518,   519,   520,  521, 529, 530,
+                                    531, 532, 559, 32995, 32996, 32997, 32998, 37724, 50674};
     for (size_t i = 0; i < sizeof ours / sizeof ours[0]; i++)
         if (tag == ours[i]) return false;
     return true;
@@ -245,12 +258,15 @@ static int get_metadata(const io_picture *picture, io_source *source, io_tiff_fi
     if (raw.file == NULL) return io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
     uint64_t first;
     raw.length = source->file_bytes = (uint64_t)io_file_length(raw.file);
-    int status = io_ifd_header(&raw, &first) < 0 || io_ifd_read(&raw, offset, is_carried_over, &source->kept) < 0 ? -1 : 0;
+    int status =
+        io_ifd_header(&raw, &first) < 0 || io_ifd_read(&raw, offset, is_carried_over, &source->kept) < 0 ? -1 : 0;
     source->big_endian = raw.big_endian;
     source->big_tiff = raw.big_tiff;
-    if (status == 0) source->pages = io_ifd_count_next(&raw, offset);
-    if (status == 0) status = check_layout(path, source, raw.length, error);
-    else io_fail(error, "%s: the TIFF directory is damaged; export the picture again", path);
+    if (status == 0) source->pages = io_ifd_count_next(&raw, offset, &source->all_pages);
+    if (status == 0)
+        status = check_layout(path, source, raw.length, error);
+    else
+        io_fail(error, "%s: the TIFF directory is damaged; export the picture again", path);
     fclose(raw.file);
     return status;
 }
@@ -264,7 +280,10 @@ static int add_part(io_picture *picture, const io_source *source, TIFF *tiff) {
     for (int c = 0; part != NULL && c < source->channels; c++) {
         char extra[24];
         snprintf(extra, sizeof extra, "extra%d", c - source->colours + 1);
-        const char *name = c == source->alpha ? "A" : c >= source->colours ? extra : source->colours == 3 ? rgb[c] : "Y";
+        const char *name = c == source->alpha     ? "A"
+                           : c >= source->colours ? extra
+                           : source->colours == 3 ? rgb[c]
+                                                  : "Y";
         if (io_add_channel(part, name, IO_FLOAT, 1, 1) == NULL) part = NULL;
     }
     if (part == NULL) return -1;
@@ -286,14 +305,15 @@ static int open_tiff(io_picture *picture, io_meaning meaning, const io_options *
         status = get_header(picture->path, source, &file, meaning, error);
     }
     if (status == 0) status = get_metadata(picture, source, &file, error);
-    if (status == 0 && add_part(picture, source, file.tiff) < 0) status = io_fail(error, "%s: not enough memory", picture->path);
+    if (status == 0 && add_part(picture, source, file.tiff) < 0)
+        status = io_fail(error, "%s: not enough memory", picture->path);
     io_tiff_close_file(&file);
     return status;
 }
 
 static bool matches_tiff(const unsigned char *head, size_t size) {
-    return size >= 4 && (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 || memcmp(head, "II+\0", 4) == 0 ||
-                         memcmp(head, "MM\0+", 4) == 0);
+    return size >= 4 && (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 ||
+                         memcmp(head, "II+\0", 4) == 0 || memcmp(head, "MM\0+", 4) == 0);
 }
 
 static int create_tiff(io_picture *picture, io_meaning meaning, io_error *error) {
@@ -303,8 +323,10 @@ static int create_tiff(io_picture *picture, io_meaning meaning, io_error *error)
     if (bits != 8 && bits != 16 && bits != 32)
         return io_fail(error, "%s: TIFF has 8, 16 or 32 bits, not %d", picture->path, bits);
     if (channels == 0 || channel[0]->type == IO_UINT)
-        return io_fail(error, "%s: TIFF holds the channels Y, Y A, R G B or R G B A as numbers with fractions; write an EXR "
-                              "for others", picture->path);
+        return io_fail(error,
+                       "%s: TIFF holds the channels Y, Y A, R G B or R G B A as numbers with fractions; write an EXR "
+                       "for others",
+                       picture->path);
     io_source *source = picture->source = calloc(1, sizeof *source);
     if (source == NULL) return io_fail(error, "%s: not enough memory", picture->path);
     source->created = true;

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* libtiff on a file of our own: its complaints are kept instead of printed, no memory is mapped (a file that shrinks under
- * a mapping ends the process), and every write that fails is remembered. */
+/* libtiff on a file of our own: its complaints are kept instead of printed, no memory is mapped (a file that shrinks
+ * under a mapping ends the process), and every write that fails is remembered. */
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
@@ -72,7 +72,8 @@ static int leave_open(thandle_t handle) {
 
 int io_tiff_open_file(io_tiff_file *file, const char *name, const char *mode, const char *path, io_error *error) {
     const bool writing = mode[0] == 'w';
-    *file = (io_tiff_file){.descriptor = open(name, (writing ? O_RDWR | O_CREAT | O_TRUNC : O_RDONLY) | O_CLOEXEC, 0666)};
+    *file =
+        (io_tiff_file){.descriptor = open(name, (writing ? O_RDWR | O_CREAT | O_TRUNC : O_RDONLY) | O_CLOEXEC, 0666)};
     if (file->descriptor < 0)
         return io_fail(error, "%s: cannot be %s: %s", path, writing ? "written" : "opened", strerror(errno));
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
@@ -81,7 +82,8 @@ int io_tiff_open_file(io_tiff_file *file, const char *name, const char *mode, co
     TIFFOpenOptionsSetWarningHandlerExtR(options, on_warning, file);
     /* No single block that libtiff allocates for tags or decoding comes near this in an honest file. */
     if (!writing) TIFFOpenOptionsSetMaxSingleMemAlloc(options, (tmsize_t)((1u << 30) + 2 * length(file)));
-    file->tiff = TIFFClientOpenExt("TIFF", mode, file, read_bytes, write_bytes, seek, leave_open, length, NULL, NULL, options);
+    file->tiff =
+        TIFFClientOpenExt("TIFF", mode, file, read_bytes, write_bytes, seek, leave_open, length, NULL, NULL, options);
     TIFFOpenOptionsFree(options);
     if (file->tiff != NULL) return 0;
     const char *why = file->write_error != 0 ? strerror(file->write_error) : file->message.text;

@@ -8,10 +8,19 @@
 #include "tiff_ifd.h"
 
 enum {
-    TAG_STRIP_OFFSETS = 273, TAG_STRIP_BYTES = 279, TAG_TILE_OFFSETS = 324, TAG_TILE_BYTES = 325, TAG_SUB_IFD = 330,
-    TAG_OLD_JPEG = 513, TAG_EXIF = 34665, TAG_GPS = 34853, TAG_INTEROPERABILITY = 40965,
-    TYPE_LONG = 4, TYPE_LONG8 = 16,
-    MOST_PAGES = 10000, DEEPEST = 4
+    TAG_STRIP_OFFSETS = 273,
+    TAG_STRIP_BYTES = 279,
+    TAG_TILE_OFFSETS = 324,
+    TAG_TILE_BYTES = 325,
+    TAG_SUB_IFD = 330,
+    TAG_OLD_JPEG = 513,
+    TAG_EXIF = 34665,
+    TAG_GPS = 34853,
+    TAG_INTEROPERABILITY = 40965,
+    TYPE_LONG = 4,
+    TYPE_LONG8 = 16,
+    MOST_PAGES = 10000,
+    DEEPEST = 4
 };
 
 static const uint8_t type_size[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
@@ -20,12 +29,14 @@ static const uint8_t type_size[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0,
 
 static uint64_t get(const io_ifd_file *file, const unsigned char *p, int size) {
     uint64_t value = 0;
-    for (int i = 0; i < size; i++) value = value << 8 | p[file->big_endian ? i : size - 1 - i];
+    for (int i = 0; i < size; i++)
+        value = value << 8 | p[file->big_endian ? i : size - 1 - i];
     return value;
 }
 
 static void put(const io_ifd_file *file, unsigned char *p, int size, uint64_t value) {
-    for (int i = 0; i < size; i++) p[file->big_endian ? size - 1 - i : i] = (unsigned char)(value >> (8 * i));
+    for (int i = 0; i < size; i++)
+        p[file->big_endian ? size - 1 - i : i] = (unsigned char)(value >> (8 * i));
 }
 
 static int read_at(io_ifd_file *file, uint64_t offset, void *out, size_t size) {
@@ -40,9 +51,13 @@ static int write_end(io_ifd_file *file, const void *bytes, size_t size) {
 }
 
 /* Directories and values begin at even offsets. */
-static int align(io_ifd_file *file) { return file->length % 2 == 0 ? 0 : write_end(file, "", 1); }
+static int align(io_ifd_file *file) {
+    return file->length % 2 == 0 ? 0 : write_end(file, "", 1);
+}
 
-static int pointer_size(const io_ifd_file *file) { return file->big_tiff ? 8 : 4; }
+static int pointer_size(const io_ifd_file *file) {
+    return file->big_tiff ? 8 : 4;
+}
 
 /* An element of an entry that holds whole numbers. */
 static bool element(const io_ifd_file *file, const io_ifd_entry *entry, uint64_t index, uint64_t *value) {
@@ -69,7 +84,9 @@ int io_ifd_header(io_ifd_file *file, uint64_t *first) {
     return 0;
 }
 
-uint64_t io_ifd_first_field(const io_ifd_file *file) { return file->big_tiff ? 8 : 4; }
+uint64_t io_ifd_first_field(const io_ifd_file *file) {
+    return file->big_tiff ? 8 : 4;
+}
 
 /* Number of entries, and where they and the pointer to the next directory lie. */
 static int read_frame(io_ifd_file *file, uint64_t offset, uint64_t *count, uint64_t *entries, uint64_t *next) {
@@ -89,25 +106,31 @@ int io_ifd_next(io_ifd_file *file, uint64_t offset, uint64_t *next) {
     return read_frame(file, offset, &count, &entries, next);
 }
 
-int io_ifd_count_next(io_ifd_file *file, uint64_t first) {
+int io_ifd_count_next(io_ifd_file *file, uint64_t first, bool *all) {
     uint64_t *seen = malloc(sizeof *seen * MOST_PAGES), count, entries, next;
+    uint64_t offset = first;
     int pages = 0;
-    for (uint64_t offset = first; seen != NULL && offset != 0 && pages < MOST_PAGES; offset = next) {
+    for (; seen != NULL && offset != 0 && pages < MOST_PAGES; offset = next) {
         bool again = false;
-        for (int i = 0; i < pages && !again; i++) again = seen[i] == offset;
+        for (int i = 0; i < pages && !again; i++)
+            again = seen[i] == offset;
         if (again || read_frame(file, offset, &count, &entries, &next) < 0) break;
         seen[pages++] = offset;
     }
+    *all = offset == 0;
     free(seen);
     return pages > 0 ? pages - 1 : 0;
 }
 
+static void free_entry(io_ifd_entry *entry) {
+    free(entry->value);
+    if (entry->child != NULL) io_ifd_free(entry->child);
+    free(entry->child);
+}
+
 void io_ifd_free(io_ifd *ifd) {
-    for (int i = 0; i < ifd->count; i++) {
-        free(ifd->entry[i].value);
-        if (ifd->entry[i].child != NULL) io_ifd_free(ifd->entry[i].child);
-        free(ifd->entry[i].child);
-    }
+    for (int i = 0; i < ifd->count; i++)
+        free_entry(&ifd->entry[i]);
     free(ifd->entry);
     *ifd = (io_ifd){0};
 }
@@ -120,6 +143,18 @@ io_ifd_entry *io_ifd_find(const io_ifd *ifd, uint16_t tag) {
 
 static int by_tag(const void *a, const void *b) {
     return (int)((const io_ifd_entry *)a)->tag - (int)((const io_ifd_entry *)b)->tag;
+}
+
+static void sort_and_drop_doubles(io_ifd *ifd) {
+    int kept = 0;
+    qsort(ifd->entry, (size_t)ifd->count, sizeof *ifd->entry, by_tag);
+    for (int i = 0; i < ifd->count; i++) {
+        if (kept > 0 && ifd->entry[i].tag == ifd->entry[kept - 1].tag)
+            free_entry(&ifd->entry[i]);
+        else
+            ifd->entry[kept++] = ifd->entry[i];
+    }
+    ifd->count = kept;
 }
 
 static int read_directory(io_ifd_file *file, uint64_t offset, bool (*wanted)(uint16_t tag), io_ifd *ifd, int depth,
@@ -137,8 +172,10 @@ static int read_entry(io_ifd_file *file, const unsigned char *raw, io_ifd_entry 
     entry->size = (size_t)(entry->count * size);
     entry->value = malloc(entry->size);
     if (entry->value == NULL) return 1;
-    if (entry->size <= (size_t)pointer) memcpy(entry->value, field, entry->size);
-    else if (read_at(file, get(file, field, pointer), entry->value, entry->size) < 0) goto lost;
+    if (entry->size <= (size_t)pointer)
+        memcpy(entry->value, field, entry->size);
+    else if (read_at(file, get(file, field, pointer), entry->value, entry->size) < 0)
+        goto lost;
     *budget -= entry->size;
     if (entry->tag == TAG_EXIF || entry->tag == TAG_GPS || entry->tag == TAG_INTEROPERABILITY) {
         uint64_t child;
@@ -170,7 +207,7 @@ static int read_directory(io_ifd_file *file, uint64_t offset, bool (*wanted)(uin
     for (uint64_t i = 0; i < count; i++) {
         const unsigned char *p = raw + i * (uint64_t)entry_size;
         const uint16_t tag = (uint16_t)get(file, p, 2);
-        if ((wanted != NULL && !wanted(tag)) || io_ifd_find(ifd, tag) != NULL) continue;
+        if (wanted != NULL && !wanted(tag)) continue;
         if (read_entry(file, p, &ifd->entry[ifd->count], depth, budget) == 0) {
             ifd->lost |= ifd->entry[ifd->count].child != NULL && ifd->entry[ifd->count].child->lost;
             ifd->count++;
@@ -179,7 +216,7 @@ static int read_directory(io_ifd_file *file, uint64_t offset, bool (*wanted)(uin
         }
     }
     free(raw);
-    qsort(ifd->entry, (size_t)ifd->count, sizeof *ifd->entry, by_tag);
+    sort_and_drop_doubles(ifd);
     return 0;
 }
 
@@ -263,7 +300,8 @@ static int replace(const io_ifd_file *to, io_ifd_entry *entry, const uint64_t *v
     const int size = pointer_size(to);
     unsigned char *bytes = malloc((size_t)entry->count * (size_t)size);
     if (bytes == NULL) return -1;
-    for (uint64_t i = 0; i < entry->count; i++) put(to, bytes + i * (uint64_t)size, size, values[i]);
+    for (uint64_t i = 0; i < entry->count; i++)
+        put(to, bytes + i * (uint64_t)size, size, values[i]);
     free(entry->value);
     entry->value = bytes;
     entry->size = (size_t)entry->count * (size_t)size;
@@ -284,9 +322,7 @@ static int copy_targets(io_ifd_file *from, io_ifd_file *to, io_ifd_entry *entry,
         if (!element(from, entry, i, &offset) || (sizes != NULL && !element(from, sizes, i, &size))) {
             status = 1;
         } else if (sizes == NULL) {
-            status = depth >= DEEPEST
-                         ? 1
-                         : copy_directory(from, offset, to, &moved[i], &unused, depth + 1, budget);
+            status = depth >= DEEPEST ? 1 : copy_directory(from, offset, to, &moved[i], &unused, depth + 1, budget);
         } else if (size > *budget) {
             status = 1;
         } else if (size > 0) { /* 0: a strip that was never written stays so */
@@ -305,7 +341,8 @@ static int copy_directory(io_ifd_file *from, uint64_t at, io_ifd_file *to, uint6
     io_ifd ifd;
     if (read_directory(from, at, NULL, &ifd, depth, budget) < 0) return 1;
     io_ifd_entry *strips = io_ifd_find(&ifd, TAG_STRIP_OFFSETS), *tiles = io_ifd_find(&ifd, TAG_TILE_OFFSETS);
-    const io_ifd_entry *strip_bytes = io_ifd_find(&ifd, TAG_STRIP_BYTES), *tile_bytes = io_ifd_find(&ifd, TAG_TILE_BYTES);
+    const io_ifd_entry *strip_bytes = io_ifd_find(&ifd, TAG_STRIP_BYTES),
+                       *tile_bytes = io_ifd_find(&ifd, TAG_TILE_BYTES);
     io_ifd_entry *sub = io_ifd_find(&ifd, TAG_SUB_IFD);
     /* Old-style JPEG keeps offsets in more tags than these. */
     int status = ifd.lost || io_ifd_find(&ifd, TAG_OLD_JPEG) != NULL || (strips != NULL && strip_bytes == NULL) ||

@@ -40,13 +40,14 @@ int io_ifd_read(io_ifd_file *file, uint64_t offset, bool (*wanted)(uint16_t tag)
 void io_ifd_free(io_ifd *ifd);
 io_ifd_entry *io_ifd_find(const io_ifd *ifd, uint16_t tag);
 
-/* How many directories follow the one at `first`; stops at the first that is damaged, and at a ring of them. */
-int io_ifd_count_next(io_ifd_file *file, uint64_t first);
+/* How many directories follow the one at `first`. all: false when there is more, but damaged, a ring, or too many. */
+int io_ifd_count_next(io_ifd_file *file, uint64_t first, bool *all);
 
 /* The directory after the one at `offset`, 0: none. -1: damaged. */
 int io_ifd_next(io_ifd_file *file, uint64_t offset, uint64_t *next);
 
-/* Appends a directory with its children; *next_field is where its pointer to the next page lies. -1: cannot be written. */
+/* Appends a directory with its children; *next_field is where its pointer to the next page lies. -1: cannot be written.
+ */
 int io_ifd_append(io_ifd_file *file, const io_ifd *ifd, uint64_t *offset, uint64_t *next_field);
 /* Writes a pointer to a directory. */
 int io_ifd_link(io_ifd_file *file, uint64_t field, uint64_t offset);

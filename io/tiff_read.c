@@ -12,11 +12,11 @@ typedef struct reader {
     const char *path;
     io_channel *channel;
     bool wanted[IO_TIFF_MOST_SAMPLES];
-    unsigned char *raw;        /* a block of each plane */
-    size_t plane_bytes;        /* of such a block */
-    size_t row_bytes;          /* of its rows */
-    float *table[3], *plain;   /* integer samples up to 16 bits: colour (a palette has three), and all others */
-    float *scratch;            /* a row of a block for every channel nobody asked for */
+    unsigned char *raw;      /* a block of each plane */
+    size_t plane_bytes;      /* of such a block */
+    size_t row_bytes;        /* of its rows */
+    float *table[3], *plain; /* integer samples up to 16 bits: colour (a palette has three), and all others */
+    float *scratch;          /* a row of a block for every channel nobody asked for */
 } reader;
 
 /* ------------------------------------------------------------------------- samples */
@@ -25,26 +25,32 @@ typedef struct reader {
 static uint32_t get_bits(const unsigned char *row, size_t index, int bits) {
     uint32_t value = 0;
     size_t at = index * (size_t)bits;
-    for (int i = 0; i < bits; i++, at++) value = value << 1 | (row[at / 8] >> (7 - at % 8) & 1u);
+    for (int i = 0; i < bits; i++, at++)
+        value = value << 1 | (row[at / 8] >> (7 - at % 8) & 1u);
     return value;
 }
 
 /* `count` samples of channel c, `step` apart in the row from sample number `first` on. */
-static void load_integers(const reader *r, const unsigned char *row, size_t first, size_t step, int c, int count, float *out) {
+static void load_integers(const reader *r, const unsigned char *row, size_t first, size_t step, int c, int count,
+                          float *out) {
     const int bits = r->source->bits;
     const bool colour = c < r->source->colours;
     const float *table = !colour ? r->plain : r->table[r->source->palette != NULL ? c : 0];
     if (bits == 8) {
-        for (int x = 0; x < count; x++) out[x] = table[row[first + (size_t)x * step]];
+        for (int x = 0; x < count; x++)
+            out[x] = table[row[first + (size_t)x * step]];
     } else if (bits == 16) {
         const uint16_t *in = (const uint16_t *)row;
-        for (int x = 0; x < count; x++) out[x] = table[in[first + (size_t)x * step]];
+        for (int x = 0; x < count; x++)
+            out[x] = table[in[first + (size_t)x * step]];
     } else if (bits < 16) {
-        for (int x = 0; x < count; x++) out[x] = table[get_bits(row, first + (size_t)x * step, bits)];
+        for (int x = 0; x < count; x++)
+            out[x] = table[get_bits(row, first + (size_t)x * step, bits)];
     } else {
         const uint32_t *in = (const uint32_t *)row;
         const io_coding *coding = &r->source->coding;
-        const bool curve = colour && coding->alpha != IO_ALPHA_ASSOCIATED, inverted = r->source->photometric == 0 && colour;
+        const bool curve = colour && coding->alpha != IO_ALPHA_ASSOCIATED,
+                   inverted = r->source->photometric == 0 && colour;
         for (int x = 0; x < count; x++) {
             uint32_t v = in[first + (size_t)x * step];
             float encoded = (float)((double)(inverted ? ~v : v) / 4294967295.0);
@@ -59,13 +65,16 @@ static void load(const reader *r, const unsigned char *row, size_t first, size_t
         load_integers(r, row, first, step, c, count, out);
         break;
     case IO_TIFF_HALF:
-        for (int x = 0; x < count; x++) io_half_to_float((const uint16_t *)row + first + (size_t)x * step, out + x, 1, 1);
+        for (int x = 0; x < count; x++)
+            io_half_to_float((const uint16_t *)row + first + (size_t)x * step, out + x, 1, 1);
         break;
     case IO_TIFF_FLOAT:
-        for (int x = 0; x < count; x++) out[x] = ((const float *)row)[first + (size_t)x * step];
+        for (int x = 0; x < count; x++)
+            out[x] = ((const float *)row)[first + (size_t)x * step];
         break;
     case IO_TIFF_DOUBLE:
-        for (int x = 0; x < count; x++) out[x] = (float)((const double *)row)[first + (size_t)x * step];
+        for (int x = 0; x < count; x++)
+            out[x] = (float)((const double *)row)[first + (size_t)x * step];
         break;
     }
 }
@@ -94,9 +103,8 @@ static int read_block(reader *r, uint32_t x, uint32_t y, uint32_t rows, io_error
     for (int p = 0; p < (source->separate ? source->samples : 1); p++) {
         unsigned char *out = r->raw + (size_t)p * r->plane_bytes;
         const tmsize_t got =
-            source->tiled
-                ? TIFFReadEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, (uint16_t)p), out, (tmsize_t)bytes)
-                : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, y, (uint16_t)p), out, (tmsize_t)bytes);
+            source->tiled ? TIFFReadEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, (uint16_t)p), out, (tmsize_t)bytes)
+                          : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, y, (uint16_t)p), out, (tmsize_t)bytes);
         if (got == (tmsize_t)bytes && r->file.damage.text[0] == '\0') continue;
         const char *why = r->file.message.text[0] != '\0' ? r->file.message.text : r->file.damage.text;
         return io_fail(error, "%s: rows %u to %u are damaged or cut off (%s); get the file again", r->path, (unsigned)y,
@@ -112,7 +120,8 @@ static int read_blocks(reader *r, io_error *error) {
         for (uint32_t x = 0; x < source->width; x += source->block_width) {
             const uint32_t count = source->width - x < source->block_width ? source->width - x : source->block_width;
             if (read_block(r, x, y, rows, error) < 0) return -1;
-            for (uint32_t row = 0; row < rows; row++) convert_row(r, (int)row, (int)x, (int)(y + row), (int)count);
+            for (uint32_t row = 0; row < rows; row++)
+                convert_row(r, (int)row, (int)x, (int)(y + row), (int)count);
         }
     }
     return 0;
@@ -126,7 +135,8 @@ static float *palette_table(const io_source *source, int c) {
     const size_t size = (size_t)1 << source->bits;
     float *table = malloc(sizeof *table * size);
     if (values != NULL && table != NULL)
-        for (size_t i = 0; i < size; i++) table[i] = values[source->palette[(size_t)c * size + i]];
+        for (size_t i = 0; i < size; i++)
+            table[i] = values[source->palette[(size_t)c * size + i]];
     else {
         free(table);
         table = NULL;
@@ -170,7 +180,8 @@ static int check_same(reader *r, io_error *error) {
     r->row_bytes = ((size_t)source->block_width * in_row * source->bits + 7) / 8;
     r->plane_bytes = r->row_bytes * source->block_height;
     if ((tmsize_t)r->row_bytes != (source->tiled ? TIFFTileRowSize(tiff) : TIFFScanlineSize(tiff)))
-        return io_fail(error, "%s: its rows are laid out in a way that is not supported; save it as plain RGB or grey", r->path);
+        return io_fail(error, "%s: its rows are laid out in a way that is not supported; save it as plain RGB or grey",
+                       r->path);
     return 0;
 }
 
@@ -202,6 +213,7 @@ int io_tiff_read(io_picture *picture, int part_index, const char *const *names, 
     free(r.raw);
     free(r.scratch);
     free(r.plain);
-    for (int i = 0; i < 3; i++) free(r.table[i]);
+    for (int i = 0; i < 3; i++)
+        free(r.table[i]);
     return status;
 }

@@ -43,6 +43,7 @@ typedef struct io_source {
     uint16_t extra[64];                 /* meaning of the samples after the colours */
     uint16_t *palette;                  /* 3 * 2^bits entries; NULL: none */
     int pages;                          /* after the first */
+    bool all_pages;                     /* false: there are more, but damaged */
     bool sub_images, layers;            /* left out when written */
     uint64_t file_bytes;                /* of the file it came from */
     io_ifd kept;                        /* the tags that are carried over */

@@ -39,16 +39,19 @@ static void store(const writer *w, const float *row, int c, unsigned char *out, 
         out += first * (size_t)(w->bits / 8);
         *clamped += io_quantize(row, w->count, w->bits, inverted, out, step);
     } else if (w->kind == IO_TIFF_HALF) {
-        for (int x = 0; x < w->count; x++) io_float_to_half(row + x, (uint16_t *)out + first + (size_t)x * step, 1, 1);
+        for (int x = 0; x < w->count; x++)
+            io_float_to_half(row + x, (uint16_t *)out + first + (size_t)x * step, 1, 1);
     } else {
-        for (int x = 0; x < w->count; x++) ((float *)out)[first + (size_t)x * step] = row[x];
+        for (int x = 0; x < w->count; x++)
+            ((float *)out)[first + (size_t)x * step] = row[x];
     }
 }
 
 static void encode_row(writer *w, float *const *row, int y) {
     const bool separate = w->source->separate;
     unsigned long long clamped = 0;
-    for (int c = 0; c < w->channels; c++) io_channel_span(w->channel[c], w->x, w->y + y, w->count, row[c]);
+    for (int c = 0; c < w->channels; c++)
+        io_channel_span(w->channel[c], w->x, w->y + y, w->count, row[c]);
     io_encode_row(&w->source->coding, row, w->colours, w->alpha >= 0 ? row[w->alpha] : NULL, w->count);
     for (int c = 0; c < w->channels; c++) {
         unsigned char *out = w->raw + (separate ? (size_t)c * w->plane_bytes : 0) + (size_t)y * w->row_bytes;
@@ -64,8 +67,10 @@ static void encode_band(void *data, int index) {
         atomic_store(&w->no_memory, true);
         return;
     }
-    for (int c = 0; c < w->channels; c++) row[c] = scratch + (size_t)c * (size_t)w->count;
-    for (int y = index * BAND; y < w->rows && y < (index + 1) * BAND; y++) encode_row(w, row, y);
+    for (int c = 0; c < w->channels; c++)
+        row[c] = scratch + (size_t)c * (size_t)w->count;
+    for (int y = index * BAND; y < w->rows && y < (index + 1) * BAND; y++)
+        encode_row(w, row, y);
     free(scratch);
 }
 
@@ -84,9 +89,8 @@ static int write_block(writer *w, io_error *error) {
     for (int p = 0; p < (w->source->separate ? w->channels : 1); p++) {
         unsigned char *in = w->raw + (size_t)p * w->plane_bytes;
         const uint32_t x = (uint32_t)w->x, y = (uint32_t)w->y;
-        const tmsize_t put =
-            tiled ? TIFFWriteEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, (uint16_t)p), in, bytes)
-                  : TIFFWriteEncodedStrip(tiff, TIFFComputeStrip(tiff, y, (uint16_t)p), in, bytes);
+        const tmsize_t put = tiled ? TIFFWriteEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, (uint16_t)p), in, bytes)
+                                   : TIFFWriteEncodedStrip(tiff, TIFFComputeStrip(tiff, y, (uint16_t)p), in, bytes);
         if (put != bytes || w->file.write_error != 0) return write_failed(w, error);
     }
     return 0;
@@ -140,7 +144,8 @@ static void choose_compression(writer *w, io_error *note) {
     w->compression = source->compression;
     w->predictor = source->predictor;
     if (!can_compress(w, w->compression)) {
-        w->compression = TIFFIsCODECConfigured(COMPRESSION_ADOBE_DEFLATE) ? COMPRESSION_ADOBE_DEFLATE : COMPRESSION_NONE;
+        w->compression =
+            TIFFIsCODECConfigured(COMPRESSION_ADOBE_DEFLATE) ? COMPRESSION_ADOBE_DEFLATE : COMPRESSION_NONE;
         w->predictor = w->kind == IO_TIFF_UINT ? PREDICTOR_HORIZONTAL : PREDICTOR_FLOATINGPOINT;
         io_note(note, w->path, "its %s compression is written as %s", io_tiff_compression_name(source->compression),
                 io_tiff_compression_name(w->compression));
@@ -181,7 +186,8 @@ static int choose_channels(writer *w, const io_part *part, io_error *error) {
     const io_source *source = w->source;
     w->channels = part->channel_count;
     if (!source->created && w->channels == source->channels) {
-        for (int c = 0; c < w->channels; c++) w->channel[c] = &part->channel[c];
+        for (int c = 0; c < w->channels; c++)
+            w->channel[c] = &part->channel[c];
     } else {
         w->channels = io_plain_channels(part, w->channel);
     }
@@ -210,9 +216,11 @@ static void choose_blocks(writer *w) {
         w->block_height = rows < BAND ? BAND : rows > 4096 ? 4096 : (int)rows;
         if (w->block_height > w->height) w->block_height = w->height;
     }
-    if (w->compression == COMPRESSION_JPEG && w->photometric == PHOTOMETRIC_YCBCR && !source->tiled &&
-        w->block_height < w->height) /* JPEG strips hold whole blocks of subsampled colour */
-        w->block_height = (w->block_height + 31) / 32 * 32;
+    if (w->compression == COMPRESSION_JPEG && !source->tiled && w->block_height < w->height) {
+        /* JPEG strips hold whole blocks of the coarsest channel; not every file keeps to that. */
+        const int unit = 8 * (source->subsampling[1] > 1 ? source->subsampling[1] : 1);
+        w->block_height = (w->block_height + unit - 1) / unit * unit;
+    }
     w->plane_bytes = w->row_bytes * (size_t)w->block_height;
 }
 
@@ -273,13 +281,16 @@ static int merge(const writer *w, const io_ifd *written, io_ifd *merged) {
     return 0;
 }
 
-static bool is_subfile_type(uint16_t tag) { return tag == 254; }
+static bool is_subfile_type(uint16_t tag) {
+    return tag == 254;
+}
 
 /* A reduced copy of the first page (a thumbnail) would still show the old picture. */
 static bool is_thumbnail(io_ifd_file *from, uint64_t page) {
     io_ifd ifd;
     if (io_ifd_read(from, page, is_subfile_type, &ifd) < 0) return false;
-    const bool thumbnail = ifd.count == 1 && ifd.entry[0].size == 4 && (ifd.entry[0].value[from->big_endian ? 3 : 0] & 1) != 0;
+    const bool thumbnail =
+        ifd.count == 1 && ifd.entry[0].size == 4 && (ifd.entry[0].value[from->big_endian ? 3 : 0] & 1) != 0;
     io_ifd_free(&ifd);
     return thumbnail;
 }
@@ -322,21 +333,24 @@ static int append(const writer *w, const io_picture *picture, io_ifd_file *to, i
     if (status < 0 || w->source->pages == 0) return status;
     io_ifd_file from = {.file = fopen(picture->path, "rb")};
     if (from.file == NULL)
-        return io_fail(error, "%s: its further pages cannot be read again from %s: %s", w->path, picture->path, strerror(errno));
+        return io_fail(error, "%s: its further pages cannot be read again from %s: %s", w->path, picture->path,
+                       strerror(errno));
     from.length = (uint64_t)io_file_length(from.file);
     status = copy_pages(w, &from, to, next_field, note, error);
     fclose(from.file);
     return status;
 }
 
-static int add_metadata(const writer *w, const io_picture *picture, const char *temporary, io_error *note, io_error *error) {
+static int add_metadata(const writer *w, const io_picture *picture, const char *temporary, io_error *note,
+                        io_error *error) {
     const io_source *source = w->source;
     if (source->kept.count == 0 && source->pages == 0) return 0;
     io_ifd_file to = {.file = fopen(temporary, "r+b")};
     if (to.file == NULL) return io_fail(error, "%s: cannot be written: %s", w->path, strerror(errno));
     to.length = (uint64_t)io_file_length(to.file);
     int status = append(w, picture, &to, note, error);
-    if (fclose(to.file) != 0 && status == 0) status = io_fail(error, "%s: cannot be written: %s", w->path, strerror(errno));
+    if (fclose(to.file) != 0 && status == 0)
+        status = io_fail(error, "%s: cannot be written: %s", w->path, strerror(errno));
     return status;
 }
 
@@ -346,15 +360,18 @@ static int write_pixels(writer *w, const char *temporary, io_error *error) {
     const io_source *source = w->source;
     char mode[8] = "w";
     /* 4 GB is as far as a classic TIFF reaches; further pages and tags cannot be more than their file. */
-    const double bytes = (double)w->row_bytes * w->height * (source->separate ? w->channels : 1) * ((double)w->width / w->block_width);
+    const double bytes =
+        (double)w->row_bytes * w->height * (source->separate ? w->channels : 1) * ((double)w->width / w->block_width);
     if (!source->created) strcat(mode, source->big_endian ? "b" : "l");
     if (source->big_tiff || bytes * 1.1 + (double)source->file_bytes > 4e9) strcat(mode, "8");
     int status = io_tiff_open_file(&w->file, temporary, mode, w->path, error);
     if (status == 0) {
         set_fields(w);
         w->raw = malloc(w->plane_bytes * (size_t)(source->separate ? w->channels : 1));
-        if (w->file.message.text[0] != '\0') status = write_failed(w, error);
-        else if (w->raw == NULL) status = io_fail(error, "%s: not enough memory to write it", w->path);
+        if (w->file.message.text[0] != '\0')
+            status = write_failed(w, error);
+        else if (w->raw == NULL)
+            status = io_fail(error, "%s: not enough memory to write it", w->path);
     }
     if (status == 0) status = write_blocks(w, error);
     if (status == 0 && !TIFFFlush(w->file.tiff)) status = write_failed(w, error);
@@ -368,6 +385,8 @@ static void note_losses(const writer *w, io_error *note) {
     const io_source *source = w->source;
     if (source->sub_images) io_note(note, w->path, "its sub-images (SubIFD) are left out");
     if (source->layers) io_note(note, w->path, "its Photoshop layers are left out");
+    if (!source->created && !source->all_pages)
+        io_note(note, w->path, "its list of pages is damaged and ends after %d", source->pages + 1);
     if (source->kept.lost) io_note(note, w->path, "damaged tags are left out");
     if (w->clamped > 0)
         io_note(note, w->path, "%llu values outside 0..1 were clamped (float TIFF and EXR keep them)",

@@ -1,0 +1,22 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* ZIP and ZIPS by libdeflate, two to three times as fast as by OpenEXRCore 3.1, which uses zlib. */
+#ifndef IO_EXR_ZIP_H
+#define IO_EXR_ZIP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct io_exr_zip io_exr_zip; /* one per thread */
+
+/* NULL: this build has no libdeflate, or out of memory. */
+io_exr_zip *io_exr_zip_open(int level);
+void io_exr_zip_close(io_exr_zip *zip);
+/* Exactly `size` bytes into `out`; false when the data are damaged, or out of memory. */
+bool io_exr_zip_unpack(io_exr_zip *zip, const unsigned char *packed, size_t packed_size, unsigned char *out,
+                       size_t size);
+/* Compressed bytes, the zip's own until its next call; NULL when they would not be fewer than `size`. */
+const unsigned char *io_exr_zip_pack(io_exr_zip *zip, const unsigned char *in, size_t size, size_t *packed_size);
+
+#endif
