@@ -9,7 +9,7 @@
 #include "context.h"
 #include "image.h"
 
-static const double COC_LIMIT = 1e5, BETA_FLOOR = 1e-20; /* as in cpu/conductance.h */
+static const double COC_LIMIT = 1e5, BETA_FLOOR = 1e-14; /* as in cpu/conductance.h */
 
 typedef struct planes {
     int width, height, channels;

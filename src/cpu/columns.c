@@ -25,53 +25,50 @@ static inline void store_part(float *p, vfloat v, int count, bool stream) {
 
 /* LANES columns on their way down. */
 typedef struct column_group {
-    elimination e; /* of the row above */
-    vfloat u[4];   /* the row above, eliminated */
-    vfloat coc;    /* magnitude, of this row */
+    vfloat rest;    /* weight that reaches the next row */
+    vfloat mean[4]; /* of the rows so far */
+    vfloat coc;     /* magnitude, of this row */
 } column_group;
 
 static inline column_group group_load(const cpu_block *b, const column_state *s, int x, int count) {
-    column_group g = {.e = {v_load(s->inverse + x), v_load(s->passed + x), v_load(s->beta + x)}};
-    for (int k = 0; k < 4; k++) g.u[k] = v_load(s->u + 4 * (ptrdiff_t)x + k * LANES);
+    column_group g = {.rest = v_load(s->rest + x)};
+    for (int k = 0; k < 4; k++) g.mean[k] = v_load(s->mean + 4 * (ptrdiff_t)x + k * LANES);
     g.coc = coc_magnitude(load_part(b->coc[0] + x, count));
     return g;
 }
 
 static inline void group_store(const column_group *g, const column_state *s, int x) {
-    v_store(s->inverse + x, g->e.inverse);
-    v_store(s->passed + x, g->e.passed);
-    v_store(s->beta + x, g->e.beta);
-    for (int k = 0; k < 4; k++) v_store(s->u + 4 * (ptrdiff_t)x + k * LANES, g->u[k]);
+    v_store(s->rest + x, g->rest);
+    for (int k = 0; k < 4; k++) v_store(s->mean + 4 * (ptrdiff_t)x + k * LANES, g->mean[k]);
 }
 
 /* One row of the group: `pixel` solved along its row; coc_below NULL at the border. */
 static inline __attribute__((always_inline)) void group_step(column_group *g, vfloat capacity, vfloat scale,
                                                              const float *coc_below, const float *pixel, float *out,
-                                                             float *c_out, int count, bool stream) {
+                                                             float *keep, int count, bool stream) {
     vfloat beta = v_set(BETA_BORDER);
     if (coc_below) {
         vfloat below = coc_magnitude(load_part(coc_below, count));
         beta = conductance(g->coc, below, scale);
         g->coc = below;
     }
-    elimination e = eliminate(reaching(g->e, capacity), beta);
-    vfloat a = g->e.beta * e.inverse;
-    store_part(c_out, beta * e.inverse, count, stream);
-    g->u[0] = v_fma(V_EXPAND(a, 0), g->u[0], V_EXPAND(e.inverse, 0) * v_load(pixel));
-    g->u[1] = v_fma(V_EXPAND(a, 1), g->u[1], V_EXPAND(e.inverse, 1) * v_load(pixel + LANES));
-    g->u[2] = v_fma(V_EXPAND(a, 2), g->u[2], V_EXPAND(e.inverse, 2) * v_load(pixel + 2 * LANES));
-    g->u[3] = v_fma(V_EXPAND(a, 3), g->u[3], V_EXPAND(e.inverse, 3) * v_load(pixel + 3 * LANES));
+    elimination e = eliminate(g->rest, capacity, beta);
+    g->rest = e.rest;
+    store_part(keep, e.keep, count, stream);
+    g->mean[0] = lerp(g->mean[0], v_load(pixel), V_EXPAND(e.own, 0));
+    g->mean[1] = lerp(g->mean[1], v_load(pixel + LANES), V_EXPAND(e.own, 1));
+    g->mean[2] = lerp(g->mean[2], v_load(pixel + 2 * LANES), V_EXPAND(e.own, 2));
+    g->mean[3] = lerp(g->mean[3], v_load(pixel + 3 * LANES), V_EXPAND(e.own, 3));
     for (int k = 0; k < 4; k++) {
         int left = count * 4 - k * LANES;
-        if (left > 0) store_part(out + k * LANES, g->u[k], left < LANES ? left : LANES, stream);
+        if (left > 0) store_part(out + k * LANES, g->mean[k], left < LANES ? left : LANES, stream);
     }
-    g->e = e;
 }
 
 /* `groups` groups side by side, so that one's division hides behind the other's. */
 static inline __attribute__((always_inline)) void columns_of_groups(const cpu_block *b, const column_state *s, int x0, int x,
                                                                     int count, int groups, float *const *out,
-                                                                    float *const *c_out, bool stream) {
+                                                                    float *const *keep, bool stream) {
     column_group g[2];
     const vfloat scale = v_set(b->column_scale);
     for (int i = 0; i < groups; i++) g[i] = group_load(b, s, x + i * LANES, count);
@@ -81,41 +78,41 @@ static inline __attribute__((always_inline)) void columns_of_groups(const cpu_bl
         for (int i = 0; i < groups; i++) {
             const ptrdiff_t at = x - x0 + i * LANES;
             group_step(&g[i], v_set(b->row_alive[r]), scale, below ? below + x0 + at : NULL, pixel + 4 * at,
-                       out[r] + 4 * at, c_out[r] + at, count, stream);
+                       out[r] + 4 * at, keep[r] + at, count, stream);
         }
     }
     for (int i = 0; i < groups; i++) group_store(&g[i], s, x + i * LANES);
 }
 
-static void columns_down(const cpu_block *b, const column_state *s, int x0, int x1, float *const *out, float *const *c_out,
+static void columns_down(const cpu_block *b, const column_state *s, int x0, int x1, float *const *out, float *const *keep,
                          bool stream) {
     int x = x0;
     if (stream)
-        for (; x + 2 * LANES <= x1; x += 2 * LANES) columns_of_groups(b, s, x0, x, LANES, 2, out, c_out, true);
+        for (; x + 2 * LANES <= x1; x += 2 * LANES) columns_of_groups(b, s, x0, x, LANES, 2, out, keep, true);
     else
-        for (; x + 2 * LANES <= x1; x += 2 * LANES) columns_of_groups(b, s, x0, x, LANES, 2, out, c_out, false);
-    for (; x < x1; x += LANES) columns_of_groups(b, s, x0, x, x1 - x < LANES ? x1 - x : LANES, 1, out, c_out, false);
+        for (; x + 2 * LANES <= x1; x += 2 * LANES) columns_of_groups(b, s, x0, x, LANES, 2, out, keep, false);
+    for (; x < x1; x += LANES) columns_of_groups(b, s, x0, x, x1 - x < LANES ? x1 - x : LANES, 1, out, keep, false);
     if (stream) v_stream_fence();
 }
 
-static inline void up_step(float *row, const float *c, const float *below) {
-    vfloat k = v_load(c);
-    v_store(row, v_fma(V_EXPAND(k, 0), v_load(below), v_load(row)));
-    v_store(row + LANES, v_fma(V_EXPAND(k, 1), v_load(below + LANES), v_load(row + LANES)));
-    v_store(row + 2 * LANES, v_fma(V_EXPAND(k, 2), v_load(below + 2 * LANES), v_load(row + 2 * LANES)));
-    v_store(row + 3 * LANES, v_fma(V_EXPAND(k, 3), v_load(below + 3 * LANES), v_load(row + 3 * LANES)));
+static inline void up_step(float *row, const float *keep, const float *below) {
+    vfloat k = v_load(keep);
+    v_store(row, lerp(v_load(below), v_load(row), V_EXPAND(k, 0)));
+    v_store(row + LANES, lerp(v_load(below + LANES), v_load(row + LANES), V_EXPAND(k, 1)));
+    v_store(row + 2 * LANES, lerp(v_load(below + 2 * LANES), v_load(row + 2 * LANES), V_EXPAND(k, 2)));
+    v_store(row + 3 * LANES, lerp(v_load(below + 3 * LANES), v_load(row + 3 * LANES), V_EXPAND(k, 3)));
 }
 
-static void columns_up(float *row, const float *c, const float *below, int count) {
+static void columns_up(float *row, const float *keep, const float *below, int count) {
     int x = 0;
-    for (; x + LANES <= count; x += LANES) up_step(row + 4 * (ptrdiff_t)x, c + x, below + 4 * (ptrdiff_t)x);
+    for (; x + LANES <= count; x += LANES) up_step(row + 4 * (ptrdiff_t)x, keep + x, below + 4 * (ptrdiff_t)x);
     if (x < count) {
-        float row_part[4 * LANES] = {0}, c_part[LANES] = {0}, below_part[4 * LANES] = {0};
+        float row_part[4 * LANES] = {0}, keep_part[LANES] = {0}, below_part[4 * LANES] = {0};
         size_t left = (size_t)(count - x);
         memcpy(row_part, row + 4 * (ptrdiff_t)x, left * 4 * sizeof(float));
-        memcpy(c_part, c + x, left * sizeof(float));
+        memcpy(keep_part, keep + x, left * sizeof(float));
         memcpy(below_part, below + 4 * (ptrdiff_t)x, left * 4 * sizeof(float));
-        up_step(row_part, c_part, below_part);
+        up_step(row_part, keep_part, below_part);
         memcpy(row + 4 * (ptrdiff_t)x, row_part, left * 4 * sizeof(float));
     }
 }

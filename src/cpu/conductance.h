@@ -13,8 +13,8 @@
 #define COC_LIMIT 1e5f /* pixels; beyond it a picture is one colour anyway, and float32 still holds every step */
 
 /* Two pixels in focus, at least this: a hole between sharp neighbours must still be reached by them, and nothing else
- * can be told from zero (1 + 1e-20 == 1). */
-#define BETA_FLOOR 1e-20f
+ * can be told from zero (1 + 1e-14 == 1). Not less: along 2^20 holes its square shrinks to 1e-34, still a normal float. */
+#define BETA_FLOOR 1e-14f
 
 /* |d|, limited; what is not a number counts as the limit: such a pixel is a hole and leaves the decision to its
  * neighbour. */
@@ -30,25 +30,34 @@ static inline vfloat conductance(vfloat d0, vfloat d1, vfloat scale) {
     return v_max(scale * (d * d), v_set(BETA_FLOOR));
 }
 
-/* A border link: nothing flows, for there is nothing beyond; and den below stays above 0 where a whole line is holes. */
-#define BETA_BORDER BETA_FLOOR
+/* A border link: nothing flows, for there is nothing beyond, not even out of a hole that hangs by the floor; and no
+ * division below is 0/0 where a whole line is holes. */
+#define BETA_BORDER 1e-30f
 
-/* One pixel of the elimination that cannot cancel (docs/method.md, section 3). With w what reaches this pixel from before
- * plus its own heat capacity g (1, or 0 for a hole):
- *     den = w + beta,  c = beta/den,  w' = g' + c w,  u = (g x + beta_before u_before)/den.
- * c w is `passed` * `inverse`, so that the chain from pixel to pixel is one fma, one addition, one division. */
-typedef struct elimination {
-    vfloat inverse; /* 1/den */
-    vfloat passed;  /* beta w */
-    vfloat beta;    /* of the link to the next pixel */
-} elimination;
-
-static inline elimination eliminate(vfloat w, vfloat beta) {
-    return (elimination){1.0f / (w + beta), beta * w, beta};
+/* From a to b by t. Exact where t is 0 or 1 and where a = b, however far apart the two are (a + t (b - a) is not). */
+static inline vfloat lerp(vfloat a, vfloat b, vfloat t) {
+    return v_fma(t, b, v_remaining(a, t));
 }
 
-static inline vfloat reaching(elimination e, vfloat g) {
-    return v_fma(e.passed, e.inverse, g);
+/* One pixel of the elimination (docs/method.md, section 3), in the form that neither cancels nor drifts: the unknowns
+ * before a pixel are summed up by a mean m and the weight w with which it holds,
+ *     w = g + w_before',   own = g/w,           m = lerp(m_before, x, own)
+ *     keep = w/(w + beta), w' = w (1 - keep),   and back: y = lerp(y_next, m, keep)
+ * with g the heat capacity, 1, or 0 for a hole. */
+typedef struct elimination {
+    vfloat own;  /* share of the pixel itself in the mean */
+    vfloat keep; /* share of that mean in the solution; the rest is the next pixel's */
+    vfloat rest; /* w', what the next pixel is reached by */
+} elimination;
+
+static inline elimination eliminate(vfloat rest, vfloat g, vfloat beta) {
+    elimination e;
+    vfloat w = g + rest;
+    e.own = g / v_max(w, v_set(BETA_BORDER));
+    e.keep = w / (w + beta);
+    /* w (1 - keep) is keep beta: each where it is the one that rounds less */
+    e.rest = v_select((vint)(e.keep < 0.5f), v_remaining(w, e.keep), e.keep * beta);
+    return e;
 }
 
 #endif

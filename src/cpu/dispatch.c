@@ -4,6 +4,10 @@
 /* Which kernels this machine runs, and the CPU backend's table. */
 #include "engine.h"
 
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
 #define DECLARE(isa)                                                                                                   \
     extern const row_kernels row_kernels_##isa;                                                                        \
     extern const column_kernels column_kernels_##isa;                                                                  \
@@ -25,11 +29,19 @@ static const cpu_kernels kernels_avx2 = TABLE(avx2, DDOF_CPU_AVX2, 8);
 static const cpu_kernels kernels_avx512 = TABLE(avx512, DDOF_CPU_AVX512, 16);
 #endif
 
+#if defined(__x86_64__)
+/* Clang 14's __builtin_cpu_supports does not know f16c. */
+static bool has_f16c(void) {
+    unsigned a, b, c, d;
+    return __get_cpuid(1, &a, &b, &c, &d) && c & bit_F16C;
+}
+#endif
+
 unsigned cpu_flags(void) {
     unsigned flags = DDOF_CPU_BASELINE | cpu_kernels_baseline.flag;
 #if defined(__x86_64__)
     __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("f16c"))
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && has_f16c())
         flags |= DDOF_CPU_AVX2;
     if (flags & DDOF_CPU_AVX2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))

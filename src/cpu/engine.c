@@ -8,8 +8,8 @@
  * as soon as the block above is done with that tile: a wavefront, in which a worker waits only for a block that
  * another one has already begun. UP: each worker substitutes a strip of columns from the last row to the first.
  *
- * Between the sweeps the eliminated picture lies in the output itself (or, when that is half float, in scratch) and c,
- * 4 bytes a pixel, in scratch. */
+ * Between the sweeps the means lie in the output itself (or, when that is half float, in scratch) and `keep`, 4 bytes a
+ * pixel, in scratch. */
 #include "engine.h"
 
 #include <sched.h>
@@ -57,8 +57,8 @@ typedef struct sweep {
     bool straight_in, straight_out;  /* alpha of source and result */
     bool source_direct, work_direct, coc_direct, stream, in_place;
     bool first; /* substep: holes are looked for and counted */
-    float *c;   /* height rows */
-    ptrdiff_t c_stride;
+    float *keep; /* height rows */
+    ptrdiff_t keep_stride;
     column_state columns;
     atomic_int *done; /* per block: tiles finished */
     atomic_int next;  /* block to hand out */
@@ -69,8 +69,8 @@ static int block_count(int height, int lanes) {
     return (height + lanes - 1) / lanes;
 }
 
-/* Rows of c begin on a cache line where there are enough of them to matter. */
-static ptrdiff_t c_stride(int width) {
+/* Rows of keep begin on a cache line where there are enough of them to matter. */
+static ptrdiff_t keep_stride(int width) {
     return width < TILE ? width : (width + 15) / 16 * 16;
 }
 
@@ -84,16 +84,14 @@ static void lay_out(const ddof_context *ctx, const frame_job *job, sweep *s, are
     const size_t wide = (size_t)job->coc_source.width + PAD, lanes = (size_t)ctx->kernels->lanes;
     const size_t height = (size_t)job->coc_source.height, f = sizeof(float);
 
-    s->c_stride = c_stride(job->coc_source.width);
-    s->c = take(a, (size_t)s->c_stride * height * f);
-    s->columns.inverse = take(a, wide * f);
-    s->columns.passed = take(a, wide * f);
-    s->columns.beta = take(a, wide * f);
-    s->columns.u = take(a, wide * 4 * f);
+    s->keep_stride = keep_stride(job->coc_source.width);
+    s->keep = take(a, (size_t)s->keep_stride * height * f);
+    s->columns.rest = take(a, wide * f);
+    s->columns.mean = take(a, wide * 4 * f);
     s->done = take(a, sizeof(atomic_int) * (size_t)block_count((int)height, (int)lanes));
     s->worker = take(a, sizeof(worker) * (size_t)ctx->threads);
     for (int t = 0; t < ctx->threads; t++) {
-        worker w = {.block = {.u = take(a, wide * lanes * 4 * f), .c = take(a, wide * lanes * f)}};
+        worker w = {.block = {.mean = take(a, wide * lanes * 4 * f), .keep = take(a, wide * lanes * f)}};
         w.block.tile = take(a, lanes * TILE * 4 * f);
         w.spare = take(a, lanes * TILE * 4 * f);
         w.pixels = take(a, wide * lanes * 4 * f);
@@ -132,8 +130,8 @@ static void load_block(const sweep *s, worker *w, int y) {
     const ptrdiff_t wide = s->width + PAD;
     b->width = s->width;
     b->count = s->height - y < s->lanes ? s->height - y : s->lanes;
-    b->row_scale = s->job->row_scale;
-    b->column_scale = s->job->column_scale;
+    b->row_scale = (float)s->job->row_scale;
+    b->column_scale = (float)s->job->column_scale;
     b->capacity = NULL;
     memset(b->carry, 0, sizeof b->carry);
     for (int r = 0; r < s->lanes; r++) {
@@ -201,12 +199,12 @@ static bool wait_for_tile(const sweep *s, int block, int tile) {
 
 static void columns_of_tile(const sweep *s, worker *w, int y, int x0, int x1) {
     cpu_block *b = &w->block;
-    float *out[MAX_LANES], *c_out[MAX_LANES];
+    float *out[MAX_LANES], *keep[MAX_LANES];
     for (int r = 0; r < b->count; r++) {
-        c_out[r] = s->c + s->c_stride * (y + r) + x0;
+        keep[r] = s->keep + s->keep_stride * (y + r) + x0;
         out[r] = s->work_direct ? image_at(&s->work, 0, x0, y + r) : w->spare + (ptrdiff_t)r * TILE * 4;
     }
-    s->k->columns->down(b, &s->columns, x0, x1, out, c_out, s->stream);
+    s->k->columns->down(b, &s->columns, x0, x1, out, keep, s->stream);
     if (!s->work_direct)
         for (int r = 0; r < b->count; r++) span_store(&s->work, x0, y + r, x1 - x0, out[r], false, s->k->pixels);
 }
@@ -242,7 +240,7 @@ static void down(void *data, int index, int id) {
 static void up_direct(const sweep *s, int x0, int x1) {
     for (int y = s->height - 2; y >= 0; y--) {
         float *row = image_at(&s->work, 0, x0, y), *below = image_at(&s->work, 0, x0, y + 1);
-        s->k->columns->up(row, s->c + s->c_stride * y + x0, below, x1 - x0);
+        s->k->columns->up(row, s->keep + s->keep_stride * y + x0, below, x1 - x0);
         if (y % 64 == 0 && !context_progress(s->ctx, 0)) return;
     }
 }
@@ -252,7 +250,7 @@ static void up_converting(const sweep *s, worker *w, int x0, int x1) {
     float *row = w->pixels, *below = w->pixels + ((ptrdiff_t)s->width + PAD) * 4;
     for (int y = s->height - 1; y >= 0; y--) {
         span_load(&s->work, x0, y, x1 - x0, row, false, s->k->pixels);
-        if (y < s->height - 1) s->k->columns->up(row, s->c + s->c_stride * y + x0, below, x1 - x0);
+        if (y < s->height - 1) s->k->columns->up(row, s->keep + s->keep_stride * y + x0, below, x1 - x0);
         span_store(&s->result, x0, y, x1 - x0, row, s->straight_out, s->k->pixels);
         float *swap = row;
         row = below;
@@ -293,10 +291,8 @@ static ddof_status substep(sweep *s) {
     s->next = 0;
     for (int i = 0; i < s->blocks; i++) atomic_init(&s->done[i], 0);
     size_t wide = (size_t)s->width + PAD;
-    memset(s->columns.inverse, 0, wide * sizeof(float));
-    memset(s->columns.passed, 0, wide * sizeof(float));
-    memset(s->columns.beta, 0, wide * sizeof(float));
-    memset(s->columns.u, 0, wide * 4 * sizeof(float));
+    memset(s->columns.rest, 0, wide * sizeof(float));
+    memset(s->columns.mean, 0, wide * 4 * sizeof(float));
     int tasks = s->ctx->threads < s->blocks ? s->ctx->threads : s->blocks;
     if (config->parallel_for(config->parallel_user, tasks, down, s)) return DDOF_ERROR_MEMORY;
     if (s->ctx->cancelled) return DDOF_ERROR_CANCELLED;

@@ -32,16 +32,16 @@ typedef struct cpu_block {
     const float *capacity;           /* heat capacity g, [x][lane]; NULL: 1 everywhere */
     float row_alive[MAX_LANES];      /* g of a row in the column stage: 0 when all of it was holes */
     float row_scale, column_scale;   /* conductance of d = 1 along rows and columns */
-    float *u;                        /* scratch: (width + PAD) * lanes * 4, [x][4][lane] */
-    float *c;                        /* scratch: (width + PAD) * lanes, [x][lane] */
+    float *mean;                     /* scratch: (width + PAD) * lanes * 4, [x][4][lane] */
+    float *keep;                     /* scratch: (width + PAD) * lanes, [x][lane] */
     float *tile;                     /* scratch: lanes rows of TILE pixels */
     float carry[4][MAX_LANES];       /* row stage: the solution right of the tile */
 } cpu_block;
 
 /* The column elimination between blocks: what the rows above leave behind, for each column. */
 typedef struct column_state {
-    float *inverse, *passed, *beta; /* elimination of the row above */
-    float *u;                       /* that row, RGBA */
+    float *rest; /* the weight they reach the next row with */
+    float *mean; /* their mean, RGBA */
 } column_state;
 
 /* Stage rows (rows.c). */
@@ -56,12 +56,12 @@ typedef struct row_kernels {
 
 /* Stage columns (columns.c). */
 typedef struct column_kernels {
-    /* Down: takes block->tile through the elimination of the columns; writes u to out[row] and c to c_out[row], both pointing
-     * at pixel x0. stream: past the caches; out and c_out are then aligned to 64 bytes. */
-    void (*down)(const cpu_block *block, const column_state *state, int x0, int x1, float *const *out, float *const *c_out,
+    /* Down: takes block->tile through the elimination of the columns; writes the mean to out[row] and keep to keep[row], both
+     * pointing at pixel x0. stream: past the caches; out and keep are then aligned to 64 bytes. */
+    void (*down)(const cpu_block *block, const column_state *state, int x0, int x1, float *const *out, float *const *keep,
                  bool stream);
-    /* Up, in place: row = u + c * below, `count` pixels. */
-    void (*up)(float *row, const float *c, const float *below, int count);
+    /* Up, in place: row = lerp(below, row, keep), `count` pixels. */
+    void (*up)(float *row, const float *keep, const float *below, int count);
 } column_kernels;
 
 /* Stages lens and input/output (pixels.c). */

@@ -48,21 +48,20 @@ static inline void load_coc(const cpu_block *b, int x, vfloat d[LANES]) {
 }
 
 typedef struct row_state {
-    elimination e; /* of the pixel before, per row */
-    vfloat u[4];   /* the pixel before, eliminated */
+    vfloat rest;    /* weight that reaches the next pixel, per row */
+    vfloat mean[4]; /* of the pixels so far, per row and channel */
 } row_state;
 
 static inline __attribute__((always_inline)) void row_step(row_state *s, vfloat g, vfloat beta, const vfloat pixel[4],
-                                                           float *restrict u, float *restrict c) {
-    elimination e = eliminate(reaching(s->e, g), beta);
-    vfloat a = s->e.beta * e.inverse;
-    v_store(c, beta * e.inverse);
-    s->u[0] = v_fma(V_EXPAND(a, 0), s->u[0], V_EXPAND(e.inverse, 0) * pixel[0]);
-    s->u[1] = v_fma(V_EXPAND(a, 1), s->u[1], V_EXPAND(e.inverse, 1) * pixel[1]);
-    s->u[2] = v_fma(V_EXPAND(a, 2), s->u[2], V_EXPAND(e.inverse, 2) * pixel[2]);
-    s->u[3] = v_fma(V_EXPAND(a, 3), s->u[3], V_EXPAND(e.inverse, 3) * pixel[3]);
-    for (int k = 0; k < 4; k++) v_store(u + k * LANES, s->u[k]);
-    s->e = e;
+                                                           float *restrict mean, float *restrict keep) {
+    elimination e = eliminate(s->rest, g, beta);
+    s->rest = e.rest;
+    v_store(keep, e.keep);
+    s->mean[0] = lerp(s->mean[0], pixel[0], V_EXPAND(e.own, 0));
+    s->mean[1] = lerp(s->mean[1], pixel[1], V_EXPAND(e.own, 1));
+    s->mean[2] = lerp(s->mean[2], pixel[2], V_EXPAND(e.own, 2));
+    s->mean[3] = lerp(s->mean[3], pixel[3], V_EXPAND(e.own, 3));
+    for (int k = 0; k < 4; k++) v_store(mean + k * LANES, s->mean[k]);
 }
 
 static inline void prefetch_rows(const cpu_block *b, int x) {
@@ -82,7 +81,7 @@ static inline __attribute__((always_inline)) void forward_columns(const cpu_bloc
     for (int i = 0; i < GROUP; i++) {
         ptrdiff_t at = (ptrdiff_t)(x + i) * LANES;
         vfloat g = capacity ? v_load(capacity + at) : v_set(1.0f);
-        row_step(s, g, beta[i], pixel[i], b->u + 4 * at, b->c + at);
+        row_step(s, g, beta[i], pixel[i], b->mean + 4 * at, b->keep + at);
     }
 }
 
@@ -94,7 +93,6 @@ static inline __attribute__((always_inline)) bool forward(const cpu_block *block
     vint worst = {0};
     row_state s = {0};
 
-    s.e.inverse = v_set(1.0f);
     load_coc(&b, 0, d[0]);
     for (int x0 = 0, now = 0; x0 < b.width; x0 += LANES, now = !now) {
         vfloat *here = d[now], *next = d[!now];
@@ -111,8 +109,8 @@ static inline __attribute__((always_inline)) bool forward(const cpu_block *block
             forward_columns(&b, &s, x0 + j, beta, capacity);
         }
     }
-    /* u carries what is not finite to the end of its row: one look there is enough */
-    for (int k = 0; k < 4; k++) worst = v_max_bits(worst, v_abs(s.u[k]));
+    /* what is not finite stays in the mean to the end of its row: one look there is enough */
+    for (int k = 0; k < 4; k++) worst = v_max_bits(worst, v_abs(s.mean[k]));
     int finite = 1;
     for (int i = 0; i < LANES; i++) finite &= worst[i] < 0x7f800000;
     return finite;
@@ -128,12 +126,12 @@ static void rows_backward(cpu_block *b, int x0, int x1) {
     for (int x = x0 + (x1 - x0 - 1) / GROUP * GROUP; x >= x0; x -= GROUP) {
         vfloat v[4][GROUP];
         for (int i = GROUP - 1; i >= 0; i--) {
-            const float *u = b->u + (ptrdiff_t)(x + i) * 4 * LANES;
-            vfloat c = v_load(b->c + (ptrdiff_t)(x + i) * LANES);
-            v[0][i] = y[0] = v_fma(V_EXPAND(c, 0), y[0], v_load(u));
-            v[1][i] = y[1] = v_fma(V_EXPAND(c, 1), y[1], v_load(u + LANES));
-            v[2][i] = y[2] = v_fma(V_EXPAND(c, 2), y[2], v_load(u + 2 * LANES));
-            v[3][i] = y[3] = v_fma(V_EXPAND(c, 3), y[3], v_load(u + 3 * LANES));
+            const float *mean = b->mean + (ptrdiff_t)(x + i) * 4 * LANES;
+            vfloat keep = v_load(b->keep + (ptrdiff_t)(x + i) * LANES);
+            v[0][i] = y[0] = lerp(y[0], v_load(mean), V_EXPAND(keep, 0));
+            v[1][i] = y[1] = lerp(y[1], v_load(mean + LANES), V_EXPAND(keep, 1));
+            v[2][i] = y[2] = lerp(y[2], v_load(mean + 2 * LANES), V_EXPAND(keep, 2));
+            v[3][i] = y[3] = lerp(y[3], v_load(mean + 3 * LANES), V_EXPAND(keep, 3));
         }
         for (int k = 0; k < 4; k++) {
             v_transpose_pixels(v[k]);

@@ -92,6 +92,15 @@ static inline vfloat v_fma(vfloat a, vfloat b, vfloat c) {
 #endif
 }
 
+/* a (1 - t) for t in 0..1, as good as if rounded once. */
+static inline vfloat v_remaining(vfloat a, vfloat t) {
+#if defined(__AVX2__) || defined(__ARM_NEON)
+    return v_fma(-t, a, a);
+#else /* a - t a cancels where t is near 1, but there 1 - t is exact */
+    return v_select((vint)(t < 0.5f), a - t * a, (1.0f - t) * a);
+#endif
+}
+
 /* Past the caches, for memory that is next read when it has long been evicted. p is aligned to the vector. */
 static inline void v_stream(float *p, vfloat v) {
 #if defined(__AVX512F__)
