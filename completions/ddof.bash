@@ -15,6 +15,7 @@ _ddof_options() {
         compare) echo "--layer --mask --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --conductance --substeps $engine
             $report" ;;
+        solvers) echo "--size $report" ;;
     esac
 }
 
@@ -32,14 +33,14 @@ _ddof() {
     extglob=$(shopt -p extglob)
     shopt -s extglob
     if ((COMP_CWORD == 1)); then
-        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench solvers help --help --version" -- "$word")
     elif [[ $command == help ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench solvers" -- "$word")
     else
         _ddof_value "$command" "$previous" "$word" || {
             if [[ $word == -* ]]; then
                 mapfile -t COMPREPLY < <(compgen -W "$(_ddof_options "$command")" -- "$word")
-            elif [[ $command != bench ]]; then
+            elif [[ $command != bench && $command != solvers ]]; then
                 _ddof_files "$pictures" "$word"
             fi
         }

@@ -148,6 +148,7 @@ static int work(const job *j, const options *o, session *s, io_format format, fl
     frame.color = (ddof_image){0};
     frame.output = ddof_image_interleaved(coc, width, height, 1, DDOF_FLOAT, 0);
     summary found = {0};
+    signals_hold();
     ddof_status done = ddof_coc(s->context, &frame, &j->settings, &found.stats);
     if (done != DDOF_OK) return session_fail(s, done, job_blame(o, done));
     if (interrupted()) return fail_interrupted();

@@ -13,5 +13,6 @@ int command_coc(const options *o);
 int command_info(const options *o);
 int command_compare(const options *o);
 int command_bench(const options *o);
+int command_solvers(const options *o);
 
 #endif

@@ -285,7 +285,6 @@ int job_open(job *j, const options *o, const io_format *rewrite) {
     if (status == 0) status = describe_color(j);
     if (status == 0) status = describe_blur(j, o, first);
     if (status == 0) status = place_focus(j, o);
-    if (status == 0 && interrupted()) status = fail_interrupted();
     if (status) job_close(j);
     return status;
 }
@@ -318,11 +317,12 @@ bool job_coc_range(const job *j, session *s, double focus, float *low, float *hi
         *(j->frame.coc.channels ? &frame.coc : &frame.depth) = blur;
         if (ddof_coc(s->context, &frame, &settings, NULL) != DDOF_OK) break;
         for (size_t i = 0; i < (size_t)width * (size_t)rows; i++) {
+            if (!isfinite(strip[i])) continue;
             if (strip[i] < *low) *low = strip[i];
             if (strip[i] > *high) *high = strip[i];
         }
         blur.plane[0].data = (char *)blur.plane[0].data + rows * blur.plane[0].row_stride;
     }
     free(strip);
-    return *low <= *high && isfinite(*low) && isfinite(*high);
+    return *low <= *high;
 }

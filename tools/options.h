@@ -15,6 +15,7 @@ typedef enum command_id {
     COMMAND_INFO,
     COMMAND_COMPARE,
     COMMAND_BENCH,
+    COMMAND_SOLVERS,
     COMMAND_COUNT
 } command_id;
 

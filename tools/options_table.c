@@ -11,7 +11,8 @@ enum {
     I = 1 << COMMAND_INFO,
     M = 1 << COMMAND_COMPARE,
     B = 1 << COMMAND_BENCH,
-    ALL = R | C | I | M | B
+    S = 1 << COMMAND_SOLVERS,
+    ALL = R | C | I | M | B | S
 };
 
 /* One option, one or two lines; the order is that of --help. */
@@ -66,7 +67,7 @@ const option_spec option_table[OPT_COUNT] = {
         "also measure inside (values of 0.5 and more) and outside of this mask", M, 0, 0, 0, NULL},
 
     [OPT_SIZE] = {"size", 0, KIND_SIZE, "WxH", "1920x1080",
-        "picture size, pixels (default 1920x1080)", B, 1, 1 << 20, false, NULL},
+        "picture size, pixels (default 1920x1080; solvers: 1600x1200)", B | S, 1, 1 << 20, false, NULL},
     [OPT_RUNS] = {"runs", 0, KIND_INTEGER, "N", "31",
         "timed repetitions (default 31)", B, 1, 100000, false, NULL},
     [OPT_TYPE] = {"type", 0, KIND_CHOICE, "TYPE", "float",
@@ -93,7 +94,7 @@ const option_spec option_table[OPT_COUNT] = {
         "brighten --preview and false colour, -30 to 30 stops (default 0)", R | C, -30, 30, false, NULL},
 
     [OPT_THREADS] = {"threads", 0, KIND_INTEGER, "N", "4",
-        "threads, 0 to 256; results do not depend on it (default 0: all there are)", ALL, 0, 256, false, NULL},
+        "threads, 0 to 256; results do not depend on it (default 0: all there are)", ALL & ~S, 0, 256, false, NULL},
     [OPT_BACKEND] = {"backend", 0, KIND_CHOICE, "NAME", "cpu",
         "auto|cpu|reference: what does the work (default auto)", R | C | B, 0, 0, 0, "auto|cpu|reference"},
     [OPT_CPU] = {"cpu", 0, KIND_CPUS, "LIST", "baseline,avx2",
@@ -133,4 +134,7 @@ const command_spec command_table[COMMAND_COUNT] = {
                        "  ddof bench --size 3840x2160 --threads 1\n"
                        "  ddof bench --type half --layout planar --in-place\n"
                        "  ddof bench --coc 1000 --cpu avx2 --json\n"},
+    [COMMAND_SOLVERS] = {"solvers", 0, "", "the tridiagonal solvers of the literature: steps, operations, memory",
+                         "  ddof solvers\n"
+                         "  ddof solvers --size 2560x1600 --json\n"},
 };

@@ -47,9 +47,8 @@ void output_place(io_channel *to, const float *from, io_box box) {
     }
 }
 
-static io_box place_in_display(const io_part *part, const io_channel *channel, int left) {
-    return (io_box){part->data.x - part->display.x + left, part->data.y - part->display.y, channel->width,
-                    channel->height};
+static io_box place_in_display(const io_part *part, const io_channel *channel) {
+    return (io_box){part->data.x - part->display.x, part->data.y - part->display.y, channel->width, channel->height};
 }
 
 static float *channel_values(const io_channel *channel, const char *path) {
@@ -69,14 +68,14 @@ static void note_losses(const io_picture *input, const io_selection *color, io_f
     int channels = 0;
     for (int i = 0; i < input->part_count; i++)
         channels += input->part[i].channel_count;
-    const char *range = "";
-    if (format == IO_PNG && input->format != IO_PNG) range = "sRGB-encoded and clipped to 0..1, ";
+    const char *curve = format == IO_PNG && input->format != IO_PNG ? "sRGB-encoded, " : "";
     const char *alpha = kept < color->count ? "without alpha, " : "";
-    if (channels > color->count)
-        note("note: %s: %s%s%d other channels and the metadata of %s are left out", path, range, alpha,
-             channels - color->count, input->path);
+    const int others = channels - color->count;
+    if (others > 0)
+        note("note: %s: %s%s%d other channel%s and the metadata of %s left out", path, curve, alpha, others,
+             others == 1 ? "" : "s", input->path);
     else
-        note("note: %s: %s%sthe metadata of %s is left out", path, range, alpha, input->path);
+        note("note: %s: %s%sthe metadata of %s left out", path, curve, alpha, input->path);
 }
 
 typedef struct target {
@@ -103,7 +102,7 @@ static int convert_channel(io_channel *to, const io_channel *from, const io_part
     whole.data = calloc((size_t)to->width * (size_t)to->height, sizeof(float));
     int status = whole.data ? 0 : fail("%s: out of memory for %dx%d pixels", path, to->width, to->height);
     if (status == 0) {
-        output_place(&whole, values, place_in_display(part, from, 0));
+        output_place(&whole, values, place_in_display(part, from));
         io_channel_from_float(to, whole.data, 1, (size_t)to->width);
     }
     free(values);
@@ -143,16 +142,34 @@ int output_create_rgb(io_picture **made, int width, int height, const char *path
     return 0;
 }
 
-int output_place_color(io_picture *made, int left, const io_picture *input, const io_selection *color, double gain) {
+/* The mean of the pixels of one square of the display window; outside of the data window it is black. */
+static float mean_of_square(const float *values, io_box data, int x, int y, int side) {
+    float sum = 0;
+    for (int j = 0; j < side; j++)
+        for (int i = 0; i < side; i++) {
+            const int64_t column = (int64_t)x + i - data.x, row = (int64_t)y + j - data.y;
+            if (column < 0 || row < 0 || column >= data.width || row >= data.height) continue;
+            const float value = values[row * data.width + column];
+            if (isfinite(value)) sum += value;
+        }
+    return sum / (float)(side * side);
+}
+
+int output_place_color(io_picture *made, int left, const io_picture *input, const io_selection *color, int shrink,
+                       double gain) {
     const io_part *part = &input->part[color->part];
+    const int width = (part->display.width + shrink - 1) / shrink;
     for (int i = 0; i < 3; i++) {
         const io_channel *from = &part->channel[color->channel[color->count > 2 ? i : 0]];
+        const io_channel *to = &made->part[0].channel[i];
         float *values = channel_values(from, input->path);
         if (!values) return EXIT_WORK;
-        const size_t count = (size_t)from->width * (size_t)from->height;
-        for (size_t k = 0; k < count; k++)
-            values[k] = fminf(fmaxf(values[k] * (float)gain, 0), 1); /* NaN becomes 0 */
-        output_place(&made->part[0].channel[i], values, place_in_display(part, from, left));
+        const io_box data = place_in_display(part, from);
+        for (int y = 0; y < to->height; y++) {
+            float *row = (float *)to->data + (size_t)y * (size_t)to->width + left;
+            for (int x = 0; x < width; x++)
+                row[x] = fminf(fmaxf((float)gain * mean_of_square(values, data, x * shrink, y * shrink, shrink), 0), 1);
+        }
         free(values);
     }
     return 0;

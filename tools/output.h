@@ -20,8 +20,10 @@ int output_convert(io_picture **made, const io_picture *input, const io_selectio
 /* A new sRGB picture of width x height, 8 bits, channels R G B. */
 int output_create_rgb(io_picture **made, int width, int height, const char *path);
 
-/* Brightens colour by `gain` and puts it at (left, 0) of an R G B picture; one channel becomes grey. */
-int output_place_color(io_picture *made, int left, const io_picture *input, const io_selection *color, double gain);
+/* Puts colour at (left, 0) of an R G B picture, brightened by `gain` and clipped to 0..1; `shrink` x `shrink` pixels
+ * become one. One channel becomes grey. */
+int output_place_color(io_picture *made, int left, const io_picture *input, const io_selection *color, int shrink,
+                       double gain);
 
 /* Puts width x height values at (x, y) of a channel that may be smaller or larger, and may begin elsewhere. */
 void output_place(io_channel *to, const float *from, io_box box);

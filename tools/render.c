@@ -24,8 +24,19 @@ typedef struct report {
 
 /* ------------------------------------------------------------------------- before and after */
 
+enum { PREVIEW_SIDE = 1920 }; /* pixels: wider pictures are shown smaller */
+
+static int preview_shrink(const job *j) {
+    return (job_part(j)->display.width + PREVIEW_SIDE - 1) / PREVIEW_SIDE;
+}
+
+/* Of one of the two pictures; between them lies a gap. */
+static int preview_side(const job *j) {
+    return (job_part(j)->display.width + preview_shrink(j) - 1) / preview_shrink(j);
+}
+
 static int preview_width(const job *j) {
-    return 2 * job_part(j)->display.width + job_part(j)->display.width / 100;
+    return 2 * preview_side(j) + preview_side(j) / 100;
 }
 
 static double preview_gain(const options *o) {
@@ -36,15 +47,16 @@ static double preview_gain(const options *o) {
 static int preview_begin(io_picture **preview, const job *j, const options *o) {
     const char *path = option_text(o, OPT_PREVIEW);
     if (!path) return 0;
-    int status = output_create_rgb(preview, preview_width(j), job_part(j)->display.height, path);
-    return status ? status : output_place_color(*preview, 0, j->input, &j->color, preview_gain(o));
+    const int shrink = preview_shrink(j), height = (job_part(j)->display.height + shrink - 1) / shrink;
+    int status = output_create_rgb(preview, preview_width(j), height, path);
+    return status ? status : output_place_color(*preview, 0, j->input, &j->color, shrink, preview_gain(o));
 }
 
 static int preview_end(io_picture *preview, const job *j, const options *o, timing *time) {
     if (!preview) return 0;
     const double begin = now_ms();
-    const int right = preview_width(j) - job_part(j)->display.width;
-    int status = output_place_color(preview, right, j->input, &j->color, preview_gain(o));
+    const int right = preview_width(j) - preview_side(j);
+    int status = output_place_color(preview, right, j->input, &j->color, preview_shrink(j), preview_gain(o));
     if (status == 0) status = output_write(preview, option_text(o, OPT_PREVIEW), &j->reading);
     time->preview += now_ms() - begin;
     return status;
@@ -98,6 +110,7 @@ static int solve(job *j, const options *o, session *s, report *r) {
     ddof_frame frame = j->frame;
     frame.output = frame.color;
     const double begin = now_ms();
+    signals_hold();
     ddof_status done = ddof_render(s->context, &frame, &j->settings, &r->stats);
     r->time.solve = now_ms() - begin;
     progress_clear();

@@ -6,13 +6,20 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "message.h"
 
-static volatile sig_atomic_t caught_signal;
+#define INTERRUPTED "interrupted; nothing was written"
+
+static volatile sig_atomic_t caught_signal, held;
 
 static void on_signal(int number) {
+    static const char line[] = "ddof: " INTERRUPTED "\n";
     caught_signal = number;
+    if (held) return;
+    if (write(STDERR_FILENO, line, sizeof line - 1) < 0) _exit(EXIT_WORK); /* the result of write must be looked at */
+    _exit(EXIT_INTERRUPTED);
 }
 
 void catch_signals(void) {
@@ -26,12 +33,16 @@ void catch_signals(void) {
     sigaction(SIGXFSZ, &ignore, NULL);
 }
 
+void signals_hold(void) {
+    held = 1;
+}
+
 bool interrupted(void) {
     return caught_signal != 0;
 }
 
 int fail_interrupted(void) {
-    fail("interrupted; nothing was written");
+    fail(INTERRUPTED);
     return EXIT_INTERRUPTED;
 }
 

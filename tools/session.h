@@ -28,8 +28,11 @@ int session_fail(const session *s, ddof_status status, const char *about);
 /* Prints the library's warning, if there was one. */
 void session_note(session *s, const char *about);
 
-/* From here on the first SIGINT or SIGTERM asks the work to stop, and a second one ends the process at once. */
+/* SIGINT and SIGTERM. From catch_signals() on they end the process at once, with one line and EXIT_INTERRUPTED: nothing
+ * is on disk yet. From signals_hold() on the first one is only remembered, for the solve to be cancelled or a file to
+ * be completed; a second one kills. */
 void catch_signals(void);
+void signals_hold(void);
 bool interrupted(void);
 /* Says so; returns EXIT_INTERRUPTED. */
 int fail_interrupted(void);

@@ -1,0 +1,222 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Makes and inspects the small pictures that the tests of the command need.
+ *
+ *   fixture make FILE WIDTH HEIGHT half|float BITS [window=X,Y,W,H] NAME=PATTERN[@X,Y=VALUE]...
+ *           PATTERN: a number, ramp:A:B (along x), down:A:B (along y), noise; window: the data window is WIDTH x HEIGHT
+ * at X,Y of a display window of W x H fixture value FILE CHANNEL X Y      one value fixture range FILE CHANNEL smallest
+ * and largest value fixture same A B CHANNEL            succeeds when all values have the same bits fixture header FILE
+ * WIDTH HEIGHT    the header of an EXR file without any pixels fixture json KEY... < TEXT          values of an
+ * object's members ("a.b" goes down), one a line; fails when one is not there
+ */
+#include <cjson/cJSON.h>
+#include <picture.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int die(const char *what, const char *which) {
+    fprintf(stderr, "fixture: %s: %s\n", what, which);
+    exit(2);
+}
+
+static float pattern_value(const char *pattern, int x, int y, int width, int height) {
+    float a, b;
+    if (sscanf(pattern, "ramp:%f:%f", &a, &b) == 2) return a + (b - a) * (float)x / (float)(width > 1 ? width - 1 : 1);
+    if (sscanf(pattern, "down:%f:%f", &a, &b) == 2)
+        return a + (b - a) * (float)y / (float)(height > 1 ? height - 1 : 1);
+    if (strncmp(pattern, "noise", 5) == 0) {
+        unsigned n = (unsigned)x * 73856093u ^ (unsigned)y * 19349663u;
+        n = (n ^ n >> 13) * 0x5bd1e995u;
+        return (float)(n >> 8) * 0x1p-24f;
+    }
+    return strtof(pattern, NULL);
+}
+
+static void fill(io_channel *channel, char *pattern) {
+    char *exception = strchr(pattern, '@');
+    if (exception) *exception++ = 0;
+    const int width = channel->width, height = channel->height;
+    float *value = malloc((size_t)width * (size_t)height * sizeof *value);
+    if (!value) die("out of memory", channel->name);
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++)
+            value[(size_t)y * (size_t)width + (size_t)x] = pattern_value(pattern, x, y, width, height);
+    int x, y;
+    char text[32];
+    if (exception && sscanf(exception, "%d,%d=%31s", &x, &y, text) == 3)
+        value[(size_t)y * (size_t)width + (size_t)x] = strtof(text, NULL);
+    io_channel_from_float(channel, value, 1, (size_t)width);
+    free(value);
+}
+
+static int make(int count, char **word) {
+    if (count < 6) die("make", "too few arguments");
+    io_error error = {0};
+    io_format format;
+    io_picture *picture = NULL;
+    io_box window = {0};
+    int first = 5, width = atoi(word[1]), height = atoi(word[2]);
+    if (!io_format_of_name(word[0], &format)) die("unknown ending", word[0]);
+    bool has_window = sscanf(word[5], "window=%d,%d,%d,%d", &window.x, &window.y, &window.width, &window.height) == 4;
+    first += has_window;
+    const char *names[32];
+    char *patterns[32];
+    int channels = 0;
+    for (int i = first; i < count && channels < 32; i++, channels++) {
+        char *equals = strchr(word[i], '=');
+        if (!equals) die("no '='", word[i]);
+        *equals = 0;
+        names[channels] = word[i];
+        patterns[channels] = equals + 1;
+    }
+    io_type type = strcmp(word[3], "half") == 0 ? IO_HALF : IO_FLOAT;
+    if (io_create(&picture, format, width, height, names, channels, type, atoi(word[4]), IO_COLOR, &error))
+        die("create", error.text);
+    io_part *part = &picture->part[0];
+    if (has_window) {
+        part->data = (io_box){window.x, window.y, width, height};
+        part->display = (io_box){0, 0, window.width, window.height};
+    }
+    for (int c = 0; c < part->channel_count; c++)
+        for (int i = 0; i < channels; i++)
+            if (strcmp(part->channel[c].name, names[i]) == 0) fill(&part->channel[c], patterns[i]);
+    if (io_write(picture, word[0], NULL, NULL, &error)) die("write", error.text);
+    io_close(&picture);
+    return 0;
+}
+
+static io_channel *load(io_picture **picture, const char *path, const char *name) {
+    io_error error = {0};
+    if (io_open(picture, path, IO_COLOR, NULL, &error) || io_read(*picture, &error)) die("read", error.text);
+    for (int p = 0; p < (*picture)->part_count; p++)
+        for (int c = 0; c < (*picture)->part[p].channel_count; c++)
+            if (strcmp((*picture)->part[p].channel[c].name, name) == 0) return &(*picture)->part[p].channel[c];
+    die("no such channel", name);
+    return NULL;
+}
+
+static float *values(const io_channel *channel) {
+    float *value = malloc((size_t)channel->width * (size_t)channel->height * sizeof *value);
+    if (!value) die("out of memory", channel->name);
+    io_channel_to_float(channel, value, 1, (size_t)channel->width);
+    return value;
+}
+
+static int look(int count, char **word, bool range) {
+    if (count < (range ? 2 : 4)) die("value, range", "too few arguments");
+    io_picture *picture = NULL;
+    const io_channel *channel = load(&picture, word[0], word[1]);
+    float *value = values(channel);
+    if (range) {
+        float low = value[0], high = value[0];
+        for (size_t i = 0; i < (size_t)channel->width * (size_t)channel->height; i++) {
+            if (value[i] < low) low = value[i];
+            if (value[i] > high) high = value[i];
+        }
+        printf("%.9g %.9g\n", (double)low, (double)high);
+    } else {
+        printf("%.9g\n", (double)value[(size_t)atoi(word[3]) * (size_t)channel->width + (size_t)atoi(word[2])]);
+    }
+    free(value);
+    io_close(&picture);
+    return 0;
+}
+
+static int same(int count, char **word) {
+    if (count < 3) die("same", "too few arguments");
+    io_picture *a = NULL, *b = NULL;
+    const io_channel *p = load(&a, word[0], word[2]), *q = load(&b, word[1], word[2]);
+    bool equal = p->width == q->width && p->height == q->height && p->type == q->type &&
+                 memcmp(p->data, q->data, (size_t)p->width * (size_t)p->height * io_type_size(p->type)) == 0;
+    io_close(&a);
+    io_close(&b);
+    return equal ? 0 : 1;
+}
+
+/* ------------------------------------------------------------------------- an EXR header by hand */
+
+static void put_int(FILE *file, int value) {
+    for (int i = 0; i < 4; i++)
+        fputc(value >> 8 * i & 255, file);
+}
+
+static void put_attribute(FILE *file, const char *name, const char *type, int size) {
+    fwrite(name, strlen(name) + 1, 1, file);
+    fwrite(type, strlen(type) + 1, 1, file);
+    put_int(file, size);
+}
+
+static int header(int count, char **word) {
+    static const char *const names[] = {"B", "G", "R", "Z"};
+    if (count < 3) die("header", "too few arguments");
+    FILE *file = fopen(word[0], "wb");
+    if (!file) die("cannot write", word[0]);
+    put_int(file, 20000630);
+    put_int(file, 2);
+    put_attribute(file, "channels", "chlist", 4 * 18 + 1);
+    for (int i = 0; i < 4; i++) {
+        fwrite(names[i], 2, 1, file);
+        put_int(file, 1); /* half */
+        put_int(file, 0);
+        put_int(file, 1);
+        put_int(file, 1);
+    }
+    fputc(0, file);
+    put_attribute(file, "compression", "compression", 1);
+    fputc(0, file);
+    for (int i = 0; i < 2; i++) {
+        put_attribute(file, i ? "displayWindow" : "dataWindow", "box2i", 16);
+        put_int(file, 0);
+        put_int(file, 0);
+        put_int(file, atoi(word[1]) - 1);
+        put_int(file, atoi(word[2]) - 1);
+    }
+    put_attribute(file, "lineOrder", "lineOrder", 1);
+    fputc(0, file);
+    put_attribute(file, "pixelAspectRatio", "float", 4);
+    put_int(file, 0x3f800000);
+    put_attribute(file, "screenWindowCenter", "v2f", 8);
+    put_int(file, 0);
+    put_int(file, 0);
+    put_attribute(file, "screenWindowWidth", "float", 4);
+    put_int(file, 0x3f800000);
+    fputc(0, file);
+    return fclose(file);
+}
+
+/* ------------------------------------------------------------------------- JSON */
+
+static int json(int count, char **key) {
+    static char text[1 << 20];
+    size_t size = fread(text, 1, sizeof text - 1, stdin);
+    cJSON *root = cJSON_ParseWithLengthOpts(text, size + 1, NULL, true);
+    if (!cJSON_IsObject(root)) die("not one JSON object", text);
+    for (int i = 0; i < count; i++) {
+        const cJSON *item = root;
+        for (char *step = strtok(key[i], "."); step && item; step = strtok(NULL, "."))
+            item = cJSON_IsArray(item) ? cJSON_GetArrayItem(item, atoi(step))
+                                       : cJSON_GetObjectItemCaseSensitive(item, step);
+        if (!item) die("no member", key[i]);
+        char *shown = cJSON_PrintUnformatted(item);
+        puts(cJSON_IsString(item) ? item->valuestring : shown);
+        cJSON_free(shown);
+    }
+    cJSON_Delete(root);
+    return 0;
+}
+
+int main(int count, char **word) {
+    if (count < 2) return 2;
+    const char *what = word[1];
+    count -= 2;
+    word += 2;
+    if (strcmp(what, "make") == 0) return make(count, word);
+    if (strcmp(what, "value") == 0) return look(count, word, false);
+    if (strcmp(what, "range") == 0) return look(count, word, true);
+    if (strcmp(what, "same") == 0) return same(count, word);
+    if (strcmp(what, "header") == 0) return header(count, word);
+    if (strcmp(what, "json") == 0) return json(count, word);
+    return die("unknown", what);
+}
