@@ -85,13 +85,25 @@ bool context_progress(ddof_context *ctx, int64_t units) {
     return !ctx->cancelled;
 }
 
+static const backend *pick_backend(ddof_backend id) {
+    switch (id) {
+    case DDOF_BACKEND_REFERENCE: return &backend_reference;
+    case DDOF_BACKEND_GL: return &backend_gl;
+    default: return &backend_cpu;
+    }
+}
+
 /* What can fail while a context is made; on failure the caller cleans up. */
 static ddof_status set_up(ddof_context *ctx) {
     ddof_config *c = &ctx->config;
     ctx->threads = c->threads > 0 ? c->threads : threads_available();
-    ctx->backend = c->backend == DDOF_BACKEND_REFERENCE ? &backend_reference : &backend_cpu;
-    if (c->backend == DDOF_BACKEND_REFERENCE) ctx->threads = 1;
+    ctx->backend = pick_backend(c->backend);
+    if (ctx->backend != &backend_cpu) ctx->threads = 1;
     ctx->kernels = cpu_kernels_pick(c->cpu_mask);
+    if (ctx->backend->open) {
+        ddof_status status = ctx->backend->open(ctx);
+        if (status != DDOF_OK) return status;
+    }
     if (c->parallel_for) return DDOF_OK;
     ctx->pool = thread_pool_create(ctx->threads, c->allocate, c->release, c->memory_user);
     c->parallel_for = thread_pool_run;
@@ -121,10 +133,11 @@ ddof_status ddof_create(ddof_context **context, const ddof_config *config) {
             atomic_flag_clear(&ctx->busy);
             status = set_up(ctx);
             *context = ctx;
+            if (ctx->error[0]) wrong = NULL; /* has been logged */
             if (status != DDOF_OK) ddof_destroy(context);
         }
     }
-    if (status != DDOF_OK && c.log) c.log(c.log_user, DDOF_LOG_ERROR, wrong);
+    if (status != DDOF_OK && wrong && c.log) c.log(c.log_user, DDOF_LOG_ERROR, wrong);
     return status;
 }
 
@@ -132,6 +145,7 @@ void ddof_destroy(ddof_context **context) {
     if (!context || !*context) return;
     ddof_context *ctx = *context;
     *context = NULL;
+    if (ctx->backend->close) ctx->backend->close(ctx);
     thread_pool_destroy(ctx->pool);
     pthread_mutex_destroy(&ctx->progress_lock);
     if (ctx->scratch) ctx->config.release(ctx->config.memory_user, ctx->scratch);
@@ -160,6 +174,7 @@ ddof_status ddof_trim(ddof_context *ctx) {
     if (ctx->scratch) ctx->config.release(ctx->config.memory_user, ctx->scratch);
     ctx->scratch = NULL;
     ctx->scratch_bytes = 0;
+    if (ctx->backend->trim) ctx->backend->trim(ctx);
     return leave(ctx, DDOF_OK);
 }
 
@@ -176,6 +191,7 @@ static ddof_status run(ddof_context *ctx, const ddof_frame *frame, const ddof_se
         stats->focus_distance = distance;
         stats->scratch_bytes = ctx->scratch_bytes;
         stats->threads = ctx->threads;
+        stats->surface_bytes = ctx->backend->surface_bytes ? ctx->backend->surface_bytes(ctx) : 0;
         stats->device = ctx->backend->device(ctx);
     }
     return status;

@@ -20,7 +20,7 @@ static bool all_zero(const uint64_t *reserved, size_t count) {
 
 ddof_status check_config(const ddof_config *c, const char **wrong) {
     *wrong = NULL;
-    if (c->backend < DDOF_BACKEND_AUTO || c->backend > DDOF_BACKEND_REFERENCE)
+    if (c->backend < DDOF_BACKEND_AUTO || c->backend > DDOF_BACKEND_GL)
         *wrong = "config.backend is none of ddof_backend";
     else if (c->threads < 0 || c->threads > MAX_THREADS)
         *wrong = "config.threads must be 0 (all) or 1 to 256";
@@ -110,7 +110,7 @@ static ddof_status check_overlap(ddof_context *ctx, const ddof_image *output, co
     return DDOF_OK;
 }
 
-static ddof_status check_geometry(ddof_context *ctx, const ddof_frame *f) {
+ddof_status check_geometry(ddof_context *ctx, const ddof_frame *f) {
     if (f->next || !RESERVED_ZERO(f))
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.next must be NULL and frame.reserved 0");
     if (f->picture_width < 0 || f->picture_height < 0 || !f->picture_width != !f->picture_height)
@@ -171,6 +171,12 @@ ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddo
     if (s->substeps < 0 || s->substeps > MAX_SUBSTEPS)
         return context_fail(ctx, DDOF_ERROR_INVALID, "settings.substeps is %d: give 1 to %d, or 0 for 1", s->substeps,
                             MAX_SUBSTEPS);
+    if (s->solver < DDOF_SOLVER_DEFAULT || s->solver > DDOF_SOLVER_CR_PCR)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.solver is none of ddof_solver");
+    if (s->surface < DDOF_SURFACE_DEFAULT || s->surface > DDOF_SURFACE_RGBA32F)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.surface is none of ddof_surface");
+    if (s->shared_chain != 0 && s->shared_chain != 1)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.shared_chain is %d: give 0 or 1", s->shared_chain);
     if (!frame->depth.channels) return DDOF_OK;
     const char *wrong = lens_check(&s->lens, &s->depth);
     return wrong ? context_fail(ctx, DDOF_ERROR_INVALID, "settings: %s", wrong) : DDOF_OK;

@@ -17,10 +17,11 @@
 /* One frame on its way through the pipeline: the caller's description, and what its first stages made of it. */
 typedef struct frame_job {
     const ddof_frame *frame;
+    const ddof_settings *settings;
     ddof_image coc_source; /* depth, turned into CoC by `curve`, or CoC itself */
     bool is_depth;
     lens_curve curve;
-    float row_scale, column_scale; /* conductance of a link of CoC 1 px, per substep */
+    double row_scale, column_scale; /* conductance of a link of CoC 1 px, per substep */
     int substeps;
     int64_t nonfinite_pixels; /* out */
 } frame_job;
@@ -32,15 +33,21 @@ typedef struct backend {
     ddof_status (*coc)(ddof_context *ctx, frame_job *job, void *scratch);
     ddof_status (*diffuse)(ddof_context *ctx, frame_job *job, void *scratch);
     const char *(*device)(const ddof_context *ctx);
+    /* Of a backend with a device of its own, else NULL. A stage that fails otherwise than by cancelling has set the error. */
+    ddof_status (*open)(ddof_context *ctx);
+    void (*close)(ddof_context *ctx);
+    void (*trim)(ddof_context *ctx);
+    size_t (*surface_bytes)(const ddof_context *ctx);
 } backend;
 
-extern const backend backend_cpu, backend_reference;
+extern const backend backend_cpu, backend_reference, backend_gl;
 
 struct ddof_context {
     ddof_config config; /* all callbacks filled in */
     int threads;
     const backend *backend;
     const struct cpu_kernels *kernels;
+    void *device;      /* of the backend */
     thread_pool *pool; /* NULL when the caller runs the loops */
     void *scratch;
     size_t scratch_bytes;
@@ -66,6 +73,7 @@ bool context_progress(ddof_context *ctx, int64_t units);
 /* Validation (check.c): DDOF_OK or context_fail. `work`: with color and output, as ddof_render wants them. */
 ddof_status check_config(const ddof_config *config, const char **wrong);
 ddof_status check_frame(ddof_context *ctx, const ddof_frame *frame, bool work);
+ddof_status check_geometry(ddof_context *ctx, const ddof_frame *frame); /* its place in the picture */
 ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *settings);
 
 /* THE METHOD (pipeline.c). */

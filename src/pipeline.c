@@ -39,11 +39,12 @@ ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame
     const double aspect = frame->pixel_aspect > 0 ? frame->pixel_aspect : 1;
     memset(job, 0, sizeof *job);
     job->frame = frame;
+    job->settings = settings;
     job->is_depth = frame->depth.channels > 0;
     job->coc_source = job->is_depth ? frame->depth : frame->coc;
     job->substeps = settings->substeps > 0 ? settings->substeps : 1;
-    job->row_scale = (settings->conductance == DDOF_CONDUCTANCE_CLASSIC ? 1.0f : 1.0f / 32) / (float)job->substeps;
-    job->column_scale = (float)(job->row_scale * aspect * aspect); /* d pixel widths span d * aspect rows */
+    job->row_scale = (settings->conductance == DDOF_CONDUCTANCE_CLASSIC ? 1.0 : 1.0 / 32) / job->substeps;
+    job->column_scale = job->row_scale * aspect * aspect; /* d pixel widths span d * aspect rows */
     *focus_distance = 0;
     if (!job->is_depth) return DDOF_OK;
     lens_curve_depth(&job->curve, frame, settings);
@@ -74,6 +75,7 @@ ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
     if (status == DDOF_OK)
         status = coc_only ? ctx->backend->coc(ctx, job, ctx->scratch) : ctx->backend->diffuse(ctx, job, ctx->scratch);
     if (status == DDOF_ERROR_CANCELLED) return context_fail(ctx, status, "cancelled by the progress callback");
+    if (status != DDOF_OK && ctx->error[0]) return status;
     if (status != DDOF_OK) return context_fail(ctx, status, "the parallel_for callback could not run its tasks");
     if (job->nonfinite_pixels > 0)
         context_log(ctx, DDOF_LOG_WARNING, "%lld pixels were not finite and were filled by their neighbours",

@@ -182,12 +182,33 @@ typedef enum ddof_conductance {
     DDOF_CONDUCTANCE_CLASSIC = 1  /* beta = d^2: the convention of Kass 2006 and Gruen 2011, 5.66 times wider */
 } ddof_conductance;
 
+/* The next two are looked at by the GL backend only: the CPU backends solve exactly, and differently. docs/gl.md tells them
+ * apart. All but CR_VANILLA stop at two or three unknowns. */
+typedef enum ddof_solver {
+    DDOF_SOLVER_DEFAULT = 0,    /* CR4_PACK */
+    DDOF_SOLVER_CR_VANILLA = 1, /* cyclic reduction 2:1 to one unknown, the coefficients of every pixel stored */
+    DDOF_SOLVER_CR = 2,         /* those of full resolution made on the fly */
+    DDOF_SOLVER_CR_PACK = 3,    /* the same, a row and its colour in 128 bits: colour in half floats */
+    DDOF_SOLVER_CR4 = 4,        /* the first step 4:1, the last 1:4, coefficients from quarter resolution down */
+    DDOF_SOLVER_CR4_PACK = 5,   /* the same, packed */
+    DDOF_SOLVER_CR_PCR = 6      /* 2:1 to at most 64 unknowns, which parallel cyclic reduction solves */
+} ddof_solver;
+
+typedef enum ddof_surface {
+    DDOF_SURFACE_DEFAULT = 0, /* RGBA16F */
+    DDOF_SURFACE_RGBA16F = 1, /* colour under way in half floats: error up to 2e-3 of the range */
+    DDOF_SURFACE_RGBA32F = 2  /* in floats: 1e-4 (2e-3 where the solver packs), twice the memory for colour */
+} ddof_surface;
+
 typedef struct ddof_settings {
     ddof_lens lens;               /* not used when frame.coc is given */
     ddof_depth depth;             /* not used when frame.coc is given */
     ddof_conductance conductance; /* default DDOF_CONDUCTANCE_MATCHED */
     int substeps;                 /* 1 to 64; 0: 1. More substeps round the kernel, at that many times the cost */
-    uint64_t reserved[8];
+    ddof_solver solver;           /* GL backend only; default DDOF_SOLVER_CR4_PACK */
+    ddof_surface surface;         /* GL backend only; default DDOF_SURFACE_RGBA16F */
+    int shared_chain;             /* GL backend only; 0 or 1: the vertical pass reuses the surfaces of the horizontal one */
+    uint64_t reserved[6];
 } ddof_settings;
 
 /* What goes in and what comes out. All images have the size of `color`. */
@@ -220,7 +241,9 @@ typedef enum ddof_log_level { DDOF_LOG_ERROR = 0, DDOF_LOG_WARNING = 1, DDOF_LOG
 typedef enum ddof_backend {
     DDOF_BACKEND_AUTO = 0,     /* the best engine that needs no device of its own: the CPU engine */
     DDOF_BACKEND_CPU = 1,      /* the fused streaming engine, all threads, best instruction set */
-    DDOF_BACKEND_REFERENCE = 2 /* float64 Thomas solver, one thread: slow, what every other path is checked against */
+    DDOF_BACKEND_REFERENCE = 2, /* float64 Thomas solver, one thread: slow, what every other path is checked against */
+    DDOF_BACKEND_GL = 3        /* pixel shaders on OpenGL ES 3.0, by EGL, without a window. UNSUPPORTED where the library was
+                                  built without it, or this machine has no such GL */
 } ddof_backend;
 
 /* Instruction sets, for ddof_config.cpu_mask and ddof_cpu_available(). */
@@ -291,8 +314,9 @@ typedef struct ddof_stats {
     double focus_distance;    /* the distance focused on, scene units, may be INFINITY; 0 when a CoC image was given */
     size_t scratch_bytes;     /* memory the context holds for its work, beyond the caller's images */
     int threads;              /* workers used */
+    size_t surface_bytes;     /* of the GPU's surfaces it holds, beyond the picture, depth and result; 0: no GPU */
     const char *device;       /* what did the work, e.g. "avx512"; lives until ddof_destroy() */
-    uint64_t reserved[8];     /* written as 0 */
+    uint64_t reserved[7];     /* written as 0 */
 } ddof_stats;
 
 /* Blurs frame->color into frame->output as the lens would have.

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: 2026 The ddof authors
+// SPDX-License-Identifier: MIT
+
+// Where rows and unknowns lie: the picture, whose rows are made on the fly, and the levels of the chain. One source for both
+// directions. Every fetch is of one exact texel, clamped to the line: rows at the ends have a = 0 or c = 0, so what lies
+// beyond them is multiplied by 0.
+
+#define FROM_PICTURE 0 // level 0, made on the fly
+#define FROM_TABLE 1   // a level: abc and x
+#define FROM_PACKED 2  // a level: one texel
+#define FROM_BOTH 3    // level 0 of cr-vanilla: abc from a surface, x from the picture
+
+uniform highp sampler2D color_map;
+uniform highp sampler2D coc_map;     // depth or CoC
+uniform highp sampler2D abc_map;     // (a, g, c, -)
+uniform highp sampler2D x_map;
+uniform highp usampler2D packed_map;
+uniform highp sampler2D y_map;       // what is known, on the next level
+
+uniform int unknowns;     // of a line, on the level that rows are read from
+uniform int known;        // of a line, on the level that y is read from
+uniform float scale;      // conductance of a link of 1 px
+uniform bool coc_decides; // whether a pixel without a CoC is a hole
+uniform ivec2 rows_fold, y_fold, target_fold;
+
+// The place of unknown i of a line. A surface that both directions share (SHARED) has the shape of the horizontal
+// level; the vertical one lies in it cut into strips: fold = width of a strip, unknowns of a line.
+ivec2 texel(int i, int line, ivec2 fold) {
+#if VERTICAL && SHARED
+    int strip = int((float(line) + 0.5) / float(fold.x));
+    return ivec2(line - strip * fold.x, i + strip * fold.y);
+#elif VERTICAL
+    return ivec2(line, i);
+#else
+    return ivec2(i, line);
+#endif
+}
+
+// (i, line) of this fragment.
+ivec2 target() {
+    ivec2 p = ivec2(gl_FragCoord.xy);
+#if VERTICAL && SHARED && !TO_PICTURE
+    int strip = int((float(p.y) + 0.5) / float(target_fold.y));
+    return ivec2(p.y - strip * target_fold.y, p.x + strip * target_fold.x);
+#elif VERTICAL
+    return p.yx;
+#else
+    return p;
+#endif
+}
+
+ivec2 pixel(int i, int line) {
+#if VERTICAL
+    return ivec2(line, i);
+#else
+    return ivec2(i, line);
+#endif
+}
+
+// What half floats can hold: beyond it, colour would become an infinity.
+vec4 storable(vec4 x) {
+#if HALF
+    return clamp(x, -65504.0, 65504.0);
+#else
+    return x;
+#endif
+}
+
+// ---- the picture
+
+// |CoC| of pixel i of a line; below 0 outside, NO_COC where it is not known.
+float coc_at(int i, int line) {
+    ivec2 p = pixel(clamp(i, 0, unknowns - 1), line);
+    float d = texelFetch(coc_map, p, 0).x;
+#if DEPTH
+    d = depth_coc(d, vec2(p) + 0.5);
+#endif
+    d = is_finite(d) ? min(abs(d), COC_LIMIT) : NO_COC;
+    return i < 0 || i >= unknowns ? -1.0 : d;
+}
+
+float link(float d, float e) {
+    return conductance(d, e, scale);
+}
+
+// Row i, whose links have conductances `before` and `after` and whose own |CoC| is d.
+Row picture_row(int i, int line, float before, float after, float d) {
+    vec4 x = texelFetch(color_map, pixel(clamp(i, 0, unknowns - 1), line), 0);
+#if !ALPHA
+    x.w = 1.0;
+#endif
+    bool hole = !is_finite(x) || (coc_decides && d > COC_LIMIT);
+    return Row(-before, hole ? 0.0 : 1.0, -after, hole ? vec4(0.0) : storable(x));
+}
+
+// ---- the levels
+
+#if ROWS == FROM_PACKED
+Row fetch_row(int i, int line) {
+    return unpack(texelFetch(packed_map, texel(clamp(i, 0, unknowns - 1), line, rows_fold), 0));
+}
+#elif ROWS == FROM_TABLE
+Row fetch_row(int i, int line) {
+    ivec2 p = texel(clamp(i, 0, unknowns - 1), line, rows_fold);
+    vec4 abc = texelFetch(abc_map, p, 0);
+    return Row(abc.x, abc.y, abc.z, texelFetch(x_map, p, 0));
+}
+#elif ROWS == FROM_BOTH
+Row fetch_row(int i, int line) {
+    vec4 abc = texelFetch(abc_map, pixel(clamp(i, 0, unknowns - 1), line), 0);
+    Row r = picture_row(i, line, -abc.x, -abc.z, 0.0);
+    r.g = abc.y;
+    return r;
+}
+#else
+Row fetch_row(int i, int line) {
+    float d = coc_at(i, line);
+    return picture_row(i, line, link(coc_at(i - 1, line), d), link(d, coc_at(i + 1, line)), d);
+}
+#endif
+
+// Rows i - 1, i, i + 1.
+void fetch_three(int i, int line, out Row p, out Row r, out Row n) {
+#if ROWS == FROM_PICTURE
+    float d_2 = coc_at(i - 2, line), d_1 = coc_at(i - 1, line), d0 = coc_at(i, line);
+    float d1 = coc_at(i + 1, line), d2 = coc_at(i + 2, line);
+    float before = link(d_1, d0), after = link(d0, d1);
+    p = picture_row(i - 1, line, link(d_2, d_1), before, d_1);
+    r = picture_row(i, line, before, after, d0);
+    n = picture_row(i + 1, line, after, link(d1, d2), d1);
+#else
+    p = fetch_row(i - 1, line);
+    r = fetch_row(i, line);
+    n = fetch_row(i + 1, line);
+#endif
+}
+
+vec4 fetch_y(int i, int line) {
+    return texelFetch(y_map, texel(clamp(i, 0, known - 1), line, y_fold), 0);
+}
+
+// ---- what is written
+
+#if TO_ROWS && TO_PACKED
+layout(location = 0) out highp uvec4 packed_target;
+
+void store_row(Row r) {
+    packed_target = pack(r);
+}
+#elif TO_ROWS
+layout(location = 0) out highp vec4 abc_target;
+layout(location = 1) out highp vec4 x_target;
+
+void store_row(Row r) {
+    abc_target = vec4(r.a, r.g, r.c, 0.0);
+    x_target = r.x;
+}
+#else
+layout(location = 0) out highp vec4 y_target;
+
+// LAST: no pass follows that could fill a picture of holes.
+void store_y(vec4 y) {
+#if LAST
+    if (floatBitsToUint(y.x) == NOTHING) y = vec4(0.0);
+#endif
+    y_target = y;
+}
+#endif

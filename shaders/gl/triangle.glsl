@@ -1,0 +1,8 @@
+// SPDX-FileCopyrightText: 2026 The ddof authors
+// SPDX-License-Identifier: MIT
+
+// One triangle that covers the target; without attributes, so that no buffer is needed.
+void main() {
+    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    gl_Position = vec4(corner, 0.0, 1.0);
+}

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The ddof authors
+// SPDX-License-Identifier: MIT
+
+// From a value of the depth map to the signed circle of confusion, in pixels: src/lens.c, and the rules of ddof_depth in
+// ddof/ddof.h. What is not a number is told by its bits: isnan() may be optimised away.
+
+uniform int depth_kind;    // ddof_depth_kind
+uniform vec2 depth_linear; // offset, slope: NORMALIZED: z = offset + slope v; DEVICE: 1/z = offset + slope v
+uniform vec4 depth_axis;   // RAY: the optical axis x, y in pixels of this image; tangent of the angle of a pixel, x and y
+uniform vec4 lens_curve;   // q_far, q_near, gain_far, gain_near
+uniform vec2 lens_limit;   // far, near; pixels
+
+const float NO_COC = 2e5;    // a pixel whose CoC is not known
+const float COC_LIMIT = 1e5; // as in src/cpu/conductance.h
+const float BETA_FLOOR = 1e-20;
+
+bool is_finite(float v) {
+    return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u;
+}
+
+bool is_finite(vec4 v) {
+    return all(notEqual(floatBitsToUint(v) & 0x7f800000u, uvec4(0x7f800000u)));
+}
+
+float reciprocal(float v) { // what is not in front of the camera is infinitely far
+    return v > 0.0 ? 1.0 / v : 0.0;
+}
+
+// 1/z of a value that is a number. p: the pixel's centre.
+float inverse_depth(float v, vec2 p) {
+    if (depth_kind == 0) return reciprocal(v);
+    if (depth_kind == 1) {
+        vec2 t = (p - depth_axis.xy) * depth_axis.zw;
+        return sqrt(1.0 + dot(t, t)) * reciprocal(v);
+    }
+    if (depth_kind == 2) return max(v, 0.0);
+    if (depth_kind == 3) return reciprocal(depth_linear.x + depth_linear.y * v);
+    return max(depth_linear.x + depth_linear.y * v, 0.0);
+}
+
+// The CoC of an inverse depth.
+float lens_coc(float q) {
+    if (q < lens_curve.x) return min(lens_curve.z * (lens_curve.x - q), lens_limit.x);
+    if (q > lens_curve.y) return max(lens_curve.w * (lens_curve.y - q), -lens_limit.y);
+    return 0.0;
+}
+
+// Signed CoC of a depth value; a value that makes a hole comes back as it is, and is not finite.
+float depth_coc(float v, vec2 p) {
+    uint magnitude = floatBitsToUint(v) & 0x7fffffffu;
+    bool infinite = magnitude == 0x7f800000u;
+    if (magnitude > 0x7f800000u || (infinite && v > 0.0 && depth_kind == 2)) return v;
+    float q = infinite ? 0.0 : inverse_depth(v, p);
+    return lens_coc(is_finite(q) ? q : 0.0);
+}
+
+// Heat conductance of the link between two pixels whose |CoC| are d, e: from the smaller one. Below 0: outside the picture,
+// which is an insulator. A pixel without a CoC follows the other. `scale`: the conductance of a link of 1 px.
+float conductance(float d, float e, float scale) {
+    float smaller = min(min(d, e), COC_LIMIT);
+    return smaller < 0.0 ? 0.0 : max(scale * smaller * smaller, BETA_FLOOR);
+}

@@ -1,0 +1,382 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* The GL backend of ddof_render(): the described images go up to textures, through the solver, and back. Rows pass through
+ * scratch memory, a few at a time. Its own context is current only while it works, never while the caller's
+ * callbacks run. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "../image.h"
+#include "device.h"
+#include "egl.h"
+
+enum { ROWS_AT_ONCE = 16 };
+
+/* The pictures on the GPU; kept between frames. */
+typedef struct gl_images {
+    int width, height;
+    GLenum format;             /* of color and output */
+    GLuint color, map, output; /* map: R32F */
+    GLuint coc;                /* R32F, for gl_coc() */
+    GLuint framebuffer;        /* to read from */
+} gl_images;
+
+typedef struct gl_backend {
+    egl_session egl;
+    ddof_gl *gl;
+    gl_images images;
+    bool entered;
+} gl_backend;
+
+/* Scratch memory. */
+typedef struct staging {
+    float *pixels;  /* ROWS_AT_ONCE rows of RGBA */
+    float *map;     /* and of depth or CoC */
+    uint16_t *half; /* rows of RGBA */
+    float gain;     /* colours times this, a power of two, fill the range of half floats */
+} staging;
+
+static size_t line(size_t bytes) {
+    return (bytes + 63) / 64 * 64;
+}
+
+static size_t scratch_bytes(const ddof_context *ctx, const frame_job *job) {
+    const size_t n = (size_t)job->coc_source.width * ROWS_AT_ONCE;
+    (void)ctx;
+    return line(n * 16) + line(n * 4) + line(n * 8);
+}
+
+static staging lay_out(const frame_job *job, void *scratch) {
+    const size_t n = (size_t)job->coc_source.width * ROWS_AT_ONCE;
+    char *p = scratch;
+    return (staging){(float *)(void *)p, (float *)(void *)(p + line(n * 16)), (uint16_t *)(void *)(p + line(n * 16) + line(n * 4)), 1};
+}
+
+/* ---- the context */
+
+static bool enter(ddof_context *ctx, gl_backend *b) {
+    char text[256];
+    b->entered = egl_enter(&b->egl, text, sizeof text);
+    if (!b->entered) context_fail(ctx, DDOF_ERROR_DEVICE, "%s", text);
+    return b->entered;
+}
+
+static void leave(gl_backend *b) {
+    if (b->entered) egl_leave(&b->egl);
+    b->entered = false;
+}
+
+static void delete_images(gl_backend *b) {
+    const GLuint textures[4] = {b->images.color, b->images.map, b->images.output, b->images.coc};
+    b->gl->f.DeleteTextures(4, textures);
+    if (b->images.framebuffer) b->gl->f.DeleteFramebuffers(1, &b->images.framebuffer);
+    b->images = (gl_images){0};
+}
+
+static void shut(ddof_context *ctx, gl_backend *b) {
+    (void)ctx;
+    if (b->gl && enter(ctx, b)) {
+        delete_images(b);
+        gl_device_destroy(&b->gl);
+        leave(b);
+    } else if (b->gl) { /* the context is gone, and its objects with it */
+        b->gl->config.release(b->gl->config.memory_user, b->gl);
+        b->gl = NULL;
+    }
+    egl_close(&b->egl);
+    b->images = (gl_images){0};
+}
+
+static ddof_status start(ddof_context *ctx, gl_backend *b) {
+    char text[512];
+    if (!egl_open(&b->egl, text, sizeof text)) return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "%s", text);
+    ddof_status status = DDOF_ERROR_DEVICE;
+    if (enter(ctx, b)) {
+        const ddof_gl_config config = {.get_proc = egl_get_proc, .get_proc_user = &b->egl, .allocate = ctx->config.allocate,
+                                       .release = ctx->config.release, .memory_user = ctx->config.memory_user};
+        status = gl_device_create(&b->gl, &config, ctx, text, sizeof text);
+        leave(b);
+        if (status != DDOF_OK) context_fail(ctx, status, "%s", text);
+    }
+    if (status != DDOF_OK) egl_close(&b->egl);
+    return status;
+}
+
+static ddof_status gl_open(ddof_context *ctx) {
+    gl_backend *b = ctx->config.allocate(ctx->config.memory_user, sizeof *b);
+    if (!b) return context_fail(ctx, DDOF_ERROR_MEMORY, "out of memory for the GL backend");
+    memset(b, 0, sizeof *b);
+    ddof_status status = start(ctx, b);
+    if (status == DDOF_OK)
+        ctx->device = b;
+    else
+        ctx->config.release(ctx->config.memory_user, b);
+    return status;
+}
+
+static void gl_close(ddof_context *ctx) {
+    gl_backend *b = ctx->device;
+    if (!b) return;
+    shut(ctx, b);
+    ctx->config.release(ctx->config.memory_user, b);
+    ctx->device = NULL;
+}
+
+/* Current, with a context that works: one that was lost is made anew. */
+static ddof_status ready(ddof_context *ctx, gl_backend *b) {
+    if (!b->gl || b->gl->lost) {
+        shut(ctx, b);
+        ctx->error[0] = 0;
+        ddof_status status = start(ctx, b);
+        if (status != DDOF_OK) return status;
+    }
+    return enter(ctx, b) ? DDOF_OK : DDOF_ERROR_DEVICE;
+}
+
+static void gl_trim(ddof_context *ctx) {
+    gl_backend *b = ctx->device;
+    if (!b->gl || b->gl->lost || !enter(ctx, b)) return;
+    delete_images(b);
+    gl_surfaces_delete(b->gl);
+    leave(b);
+}
+
+/* Says how far it is; false: stop. */
+static bool progress(ddof_context *ctx, gl_backend *b, int64_t rows) {
+    if (!ctx->config.progress) return true;
+    leave(b);
+    const bool on = context_progress(ctx, rows);
+    return enter(ctx, b) && on;
+}
+
+/* ---- up */
+
+static GLuint make_texture(ddof_gl *gl, GLenum format, int width, int height) {
+    GLuint name = 0;
+    gl->f.GenTextures(1, &name);
+    gl->f.BindTexture(GL_TEXTURE_2D, name);
+    gl->f.TexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
+    gl->objects++;
+    return name;
+}
+
+static ddof_status make_images(ddof_context *ctx, gl_backend *b, int width, int height, GLenum format) {
+    gl_images *i = &b->images;
+    ddof_gl *gl = b->gl;
+    if (width > gl->max_size || height > gl->max_size)
+        return context_fail(ctx, DDOF_ERROR_UNSUPPORTED,
+                            "the picture is %d x %d, but this GL (%s) has textures up to %d: use the CPU backend", width, height,
+                            gl->renderer, gl->max_size);
+    if (i->framebuffer && i->width == width && i->height == height && i->format == format) return DDOF_OK;
+    delete_images(b);
+    *i = (gl_images){.width = width, .height = height, .format = format};
+    gl->f.ActiveTexture(GL_TEXTURE0);
+    i->map = make_texture(gl, GL_R32F, width, height);
+    if (format == GL_R32F) {
+        i->coc = make_texture(gl, GL_R32F, width, height);
+    } else {
+        i->color = make_texture(gl, format, width, height);
+        i->output = make_texture(gl, format, width, height);
+    }
+    gl->f.GenFramebuffers(1, &i->framebuffer);
+    gl->objects++;
+    ddof_status status = gl_device_check(gl);
+    if (status != DDOF_OK) delete_images(b);
+    return status;
+}
+
+static bool finite(float v) {
+    return v - v == 0;
+}
+
+/* Loads rows y .. y + count - 1 as premultiplied RGBA and depth or CoC. */
+static void load_rows(const ddof_context *ctx, const frame_job *job, const staging *s, int y, int count) {
+    const ddof_image *color = &job->frame->color;
+    ddof_image in = *color;
+    const int width = in.width;
+    image_resolve(&in);
+    for (int r = 0; r < count; r++) {
+        span_load(&in, 0, y + r, width, s->pixels + (ptrdiff_t)r * width * 4, in.alpha == DDOF_ALPHA_STRAIGHT, ctx->kernels->pixels);
+        plane_load(&job->coc_source, 0, 0, y + r, width, s->map + (ptrdiff_t)r * width, ctx->kernels->pixels);
+    }
+}
+
+/* Whether a value of depth or CoC leaves its pixel without a CoC. */
+static bool unknown(const frame_job *job, float v) {
+    if (!job->is_depth) return !finite(v);
+    return isnan(v) || (job->curve.kind == DDOF_DEPTH_INVERSE && v == INFINITY);
+}
+
+/* Counts holes; their colours become infinities, which is how the shaders know them. */
+static int64_t mark_holes(const frame_job *job, const staging *s, ptrdiff_t count) {
+    int64_t holes = 0;
+    for (ptrdiff_t i = 0; i < count; i++) {
+        float *p = s->pixels + 4 * i;
+        const bool colored = finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]);
+        for (int c = 0; c < 4; c++) p[c] = colored ? p[c] * s->gain : INFINITY;
+        holes += !colored || unknown(job, s->map[i]);
+    }
+    return holes;
+}
+
+/* Half floats reach from 6e-8 to 65504: a picture that is brighter, or very dark, is scaled by a power of two. */
+static float gain_for(const ddof_context *ctx, const frame_job *job, const staging *s) {
+    const int width = job->frame->color.width, height = job->frame->color.height;
+    float most = 0;
+    for (int y = 0; y < height; y++) {
+        load_rows(ctx, job, s, y, 1);
+        for (ptrdiff_t i = 0; i < (ptrdiff_t)width * 4; i++) {
+            const float v = fabsf(s->pixels[i]);
+            if (v > most && finite(v)) most = v;
+        }
+    }
+    if (most == 0 || (most <= 32768 && most >= 1.0f / 64)) return 1;
+    int exponent;
+    frexpf(most, &exponent);
+    return ldexpf(1, most > 32768 ? 15 - exponent : exponent < -120 ? 120 : -exponent);
+}
+
+static ddof_status upload(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s) {
+    const gl_functions *f = &b->gl->f;
+    const int width = b->images.width, height = b->images.height;
+    const bool half = b->images.format == GL_RGBA16F;
+    if (half) s->gain = gain_for(ctx, job, s);
+    f->ActiveTexture(GL_TEXTURE0);
+    for (int y = 0; y < height; y += ROWS_AT_ONCE) {
+        const int rows = height - y < ROWS_AT_ONCE ? height - y : ROWS_AT_ONCE;
+        load_rows(ctx, job, s, y, rows);
+        job->nonfinite_pixels += mark_holes(job, s, (ptrdiff_t)rows * width);
+        if (half) ctx->kernels->pixels->float_to_half(s->pixels, s->half, rows * width * 4);
+        f->BindTexture(GL_TEXTURE_2D, b->images.color);
+        f->TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, rows, GL_RGBA, half ? GL_HALF_FLOAT : GL_FLOAT,
+                         half ? (const void *)s->half : s->pixels);
+        f->BindTexture(GL_TEXTURE_2D, b->images.map);
+        f->TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, rows, GL_RED, GL_FLOAT, s->map);
+        if (!progress(ctx, b, rows)) return DDOF_ERROR_CANCELLED;
+    }
+    return DDOF_OK;
+}
+
+/* ---- down */
+
+static void read_from(gl_backend *b, GLuint texture) {
+    const gl_functions *f = &b->gl->f;
+    f->BindFramebuffer(GL_READ_FRAMEBUFFER, b->images.framebuffer);
+    f->FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+}
+
+/* Nothing is stored before GL has said that all went well: a context may be lost at any time. */
+static ddof_status read_rows(gl_backend *b, int y, int rows, float *pixels) {
+    b->gl->f.ReadPixels(0, y, b->images.width, rows, GL_RGBA, GL_FLOAT, pixels);
+    return gl_device_check(b->gl);
+}
+
+static ddof_status download(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
+    const int width = b->images.width, height = b->images.height;
+    const bool straight = job->frame->color.alpha == DDOF_ALPHA_STRAIGHT;
+    ddof_image output = job->frame->output;
+    image_resolve(&output);
+    read_from(b, b->images.output);
+    for (int y = 0; y < height; y += ROWS_AT_ONCE) {
+        const int rows = height - y < ROWS_AT_ONCE ? height - y : ROWS_AT_ONCE;
+        ddof_status status = read_rows(b, y, rows, s->pixels);
+        if (status != DDOF_OK) return status;
+        for (ptrdiff_t i = 0; s->gain != 1 && i < (ptrdiff_t)rows * width * 4; i++) s->pixels[i] /= s->gain;
+        for (int r = 0; r < rows; r++)
+            span_store(&output, 0, y + r, width, s->pixels + (ptrdiff_t)r * width * 4, straight, ctx->kernels->pixels);
+        if (!progress(ctx, b, rows)) return DDOF_ERROR_CANCELLED;
+    }
+    return DDOF_OK;
+}
+
+/* ---- the stages of the backend */
+
+static gl_frame frame_of(const gl_backend *b, frame_job *job) {
+    return (gl_frame){.job = job, .settings = job->settings, .width = b->images.width, .height = b->images.height,
+                      .color = b->images.color, .map = b->images.map};
+}
+
+static ddof_status diffuse_now(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s) {
+    const GLenum format = job->settings->surface == DDOF_SURFACE_RGBA32F ? GL_RGBA32F : GL_RGBA16F;
+    ddof_status status = make_images(ctx, b, job->frame->color.width, job->frame->color.height, format);
+    if (status == DDOF_OK) status = upload(ctx, b, job, s);
+    if (status != DDOF_OK) return status;
+    gl_frame frame = frame_of(b, job);
+    frame.output = b->images.output;
+    frame.alpha = job->frame->color.channels == 4;
+    for (GLuint i = 0; i < GL_UNITS; i++) b->gl->f.BindSampler(i, b->gl->sampler);
+    b->gl->f.BindVertexArray(b->gl->vertex_array);
+    b->gl->f.Disable(GL_DITHER);
+    status = gl_solve(b->gl, &frame);
+    return status == DDOF_OK ? download(ctx, b, job, s) : status;
+}
+
+static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
+    gl_backend *b = ctx->device;
+    staging s = lay_out(job, scratch);
+    image_resolve(&job->coc_source);
+    ctx->progress_total = 2.0 * job->frame->color.height;
+    ddof_status status = ready(ctx, b);
+    if (status == DDOF_OK) status = diffuse_now(ctx, b, job, &s);
+    leave(b);
+    if (ctx->cancelled) return DDOF_ERROR_CANCELLED;
+    return ctx->error[0] && status == DDOF_ERROR_CANCELLED ? DDOF_ERROR_DEVICE : status; /* lost between two callbacks */
+}
+
+static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
+    const int width = job->coc_source.width, height = job->coc_source.height;
+    ddof_image output = job->frame->output;
+    ddof_status status = make_images(ctx, b, width, height, GL_R32F);
+    if (status != DDOF_OK) return status;
+    image_resolve(&output);
+    b->gl->f.ActiveTexture(GL_TEXTURE0);
+    b->gl->f.BindTexture(GL_TEXTURE_2D, b->images.map);
+    for (int y = 0; y < height; y++) {
+        plane_load(&job->coc_source, 0, 0, y, width, s->map, ctx->kernels->pixels);
+        b->gl->f.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, 1, GL_RED, GL_FLOAT, s->map);
+    }
+    gl_frame frame = frame_of(b, job);
+    frame.output = b->images.coc;
+    for (GLuint i = 0; i < GL_UNITS; i++) b->gl->f.BindSampler(i, b->gl->sampler);
+    b->gl->f.BindVertexArray(b->gl->vertex_array);
+    status = gl_coc(b->gl, &frame);
+    if (status != DDOF_OK) return status;
+    read_from(b, b->images.coc);
+    for (int y = 0; y < height; y++) {
+        if ((status = read_rows(b, y, 1, s->pixels)) != DDOF_OK) return status;
+        for (int x = 0; x < width; x++) {
+            s->map[x] = s->pixels[(ptrdiff_t)x * 4];
+            job->nonfinite_pixels += !finite(s->map[x]);
+        }
+        plane_store(&output, 0, 0, y, width, s->map, ctx->kernels->pixels);
+    }
+    return progress(ctx, b, height) ? DDOF_OK : DDOF_ERROR_CANCELLED;
+}
+
+static ddof_status gl_coc_stage(ddof_context *ctx, frame_job *job, void *scratch) {
+    gl_backend *b = ctx->device;
+    const staging s = lay_out(job, scratch);
+    image_resolve(&job->coc_source);
+    ctx->progress_total = job->coc_source.height;
+    ddof_status status = ready(ctx, b);
+    if (status == DDOF_OK) status = coc_now(ctx, b, job, &s);
+    leave(b);
+    return status;
+}
+
+static size_t gl_device_bytes(const ddof_context *ctx) {
+    const gl_backend *b = ctx->device;
+    return b->gl ? b->gl->surfaces.bytes : 0;
+}
+
+static const char *gl_device(const ddof_context *ctx) {
+    const gl_backend *b = ctx->device;
+    return b->gl ? b->gl->renderer : "";
+}
+
+const backend backend_gl = {
+    .id = DDOF_BACKEND_GL, .scratch_bytes = scratch_bytes, .coc = gl_coc_stage, .diffuse = gl_diffuse, .device = gl_device,
+    .open = gl_open, .close = gl_close, .trim = gl_trim, .surface_bytes = gl_device_bytes,
+};
