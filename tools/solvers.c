@@ -67,6 +67,14 @@ static size_t *unknowns_of(const ddof_tridiag *batch, size_t *count) {
     return unknowns;
 }
 
+/* How many steps from `i` on have as many unknowns as it. */
+static size_t run_length(const size_t *unknowns, size_t count, size_t i) {
+    size_t same = 1;
+    while (i + same < count && unknowns[i + same] == unknowns[i])
+        same++;
+    return same;
+}
+
 /* ------------------------------------------------------------------------- for people */
 
 /* "1600 x3, 8 x399": what repeats is counted. */
@@ -75,14 +83,10 @@ static int print_unknowns(const report *r, int direction) {
     size_t *unknowns = unknowns_of(&r->batch[direction], &count);
     if (!unknowns) return fail("--size: out of memory; make it smaller");
     printf("  %-11s %-7s", direction == 0 ? r->info->name : "", direction == 0 ? "rows" : "columns");
-    for (size_t i = 0; i < count;) {
-        size_t same = 1;
-        while (i + same < count && unknowns[i + same] == unknowns[i])
-            same++;
-        printf(" %zu", unknowns[i]);
+    for (size_t i = 0, same; i < count; i += same) {
+        same = run_length(unknowns, count, i);
+        printf("%s %zu", i > 0 ? "," : "", unknowns[i]);
         if (same > 1) printf(" x%zu", same);
-        i += same;
-        if (i < count) putchar(',');
     }
     putchar('\n');
     free(unknowns);
@@ -129,8 +133,11 @@ static cJSON *direction_object(const report *r, int direction) {
     json_integer(object, "bytes", (double)c->bytes);
     size_t count;
     size_t *unknowns = unknowns_of(&r->batch[direction], &count);
-    for (size_t i = 0; unknowns && i < count; i++)
-        cJSON_AddItemToArray(list, cJSON_CreateNumber((double)unknowns[i]));
+    for (size_t i = 0, same; unknowns && i < count; i += same) {
+        same = run_length(unknowns, count, i);
+        const double pair[2] = {(double)unknowns[i], (double)same};
+        cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(pair, 2));
+    }
     free(unknowns);
     cJSON_AddItemToObject(object, "unknowns", list);
     return object;

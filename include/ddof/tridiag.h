@@ -19,15 +19,16 @@
  * (beta_{n-1} is not used) and heat capacities g >= 0. Kass, Lefohn and Owens 2006 have g = 1. g = 0 makes a hole,
  * which the neighbours fill; its x is not used.
  *
- * Numerics. Inside, a row is kept as (a, g, c) with its sum g = a + b + c, and b is derived as g - a - c. It is reduced by
+ * Numerics. Inside, a row is kept as (a, g, c) with its sum g = a + b + c, and b = g - a - c is derived. To reduce it:
  *
  *     k1 = -a_i / b_{i-1}    a' = k1 a_{i-1}    g' = g_i + k1 g_{i-1} + k2 g_{i+1}
  *     k2 = -c_i / b_{i+1}    c' = k2 c_{i+1}    x' = x_i + k1 x_{i-1} + k2 x_{i+1}
  *
- * For diffusion (a, c <= 0 <= g) no sum has terms of different sign, so nothing cancels: float stays within 1e-5 of the
- * range of x for beta up to 1e10. The textbook keeps b and computes b' = b + k1 c_{i-1} + k2 a_{i+1}; in float it has
- * lost all of g = 1 in the rounding of b when beta reaches 1e7. It is also why packing is harmless here: six bits less
- * of g are not six bits less of b. Prefer diffuse to solve where there is a choice: solve must form a + b + c first.
+ * For diffusion (a, c <= 0 <= g) no sum has terms of different sign, so nothing cancels: float stays within 1e-6 of the
+ * range of x for beta up to 1e10. (THOMAS and PCR3_SWEEP add up roundings along the line: 1e-5 for 4000 unknowns, 5e-4
+ * for a million of beta 1e10.) The textbook keeps b and computes b' = b + k1 c_{i-1} + k2 a_{i+1}; in float it has lost
+ * all of g = 1 in the rounding of b when beta reaches 1e7. It is also why packing is harmless here: six bits less of g
+ * are not six bits less of b. Prefer diffuse to solve where there is a choice: solve must form a + b + c first.
  *
  * No solver pivots. They are accurate where the matrix is diagonally dominant, |b| >= |a| + |c|. A pivot of exactly 0
  * (a line of holes; a singular matrix) counts as the equation 0 = 0 and its unknown as 0. NaN and infinity spread

@@ -12,7 +12,7 @@
 #endif
 typedef DDOF_REAL real;
 
-#define REAL_JOIN(name, type) name##_##type
+#define REAL_JOIN(name, type) tridiag_##name##_##type
 #define REAL_NAME(name, type) REAL_JOIN(name, type)
 #define REAL(name)            REAL_NAME(name, DDOF_REAL)
 
