@@ -115,7 +115,10 @@ ddof_status ddof_create(ddof_context **context, const ddof_config *config) {
     static const ddof_config defaults;
     const char *wrong = NULL;
     ddof_config c = config ? *config : defaults;
-    if (!context) return DDOF_ERROR_INVALID;
+    if (!context) {
+        if (c.log) c.log(c.log_user, DDOF_LOG_ERROR, "context is NULL: give the address of a ddof_context *");
+        return DDOF_ERROR_INVALID;
+    }
     *context = NULL;
     ddof_status status = check_config(&c, &wrong);
     if (status == DDOF_OK) {
@@ -198,24 +201,25 @@ static ddof_status run(ddof_context *ctx, const ddof_frame *frame, const ddof_se
 }
 
 ddof_status ddof_render(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *settings, ddof_stats *stats) {
+    if (stats) memset(stats, 0, sizeof *stats);
     if (!ctx) return DDOF_ERROR_INVALID;
     if (!enter(ctx)) return DDOF_ERROR_BUSY;
-    if (stats) memset(stats, 0, sizeof *stats);
     return leave(ctx, run(ctx, frame, settings, false, stats));
 }
 
 ddof_status ddof_coc(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *settings, ddof_stats *stats) {
+    if (stats) memset(stats, 0, sizeof *stats);
     if (!ctx) return DDOF_ERROR_INVALID;
     if (!enter(ctx)) return DDOF_ERROR_BUSY;
-    if (stats) memset(stats, 0, sizeof *stats);
     return leave(ctx, run(ctx, frame, settings, true, stats));
 }
 
 ddof_status ddof_scratch_bytes(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *settings, size_t *bytes) {
     frame_job job;
     double distance;
-    if (!ctx || !bytes) return DDOF_ERROR_INVALID;
+    if (!ctx) return DDOF_ERROR_INVALID;
     if (!enter(ctx)) return DDOF_ERROR_BUSY;
+    if (!bytes) return leave(ctx, context_fail(ctx, DDOF_ERROR_INVALID, "bytes is NULL"));
     ddof_status status = check_frame(ctx, frame, true);
     if (status == DDOF_OK) status = check_settings(ctx, frame, settings);
     if (status == DDOF_OK) status = pipeline_prepare(ctx, &job, frame, settings, false, &distance);

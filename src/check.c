@@ -4,7 +4,6 @@
 /* Validation, once, above the backends: what passes here they can work on. */
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 #include "context.h"
 #include "image.h"
@@ -33,13 +32,13 @@ ddof_status check_config(const ddof_config *c, const char **wrong) {
     return *wrong ? DDOF_ERROR_INVALID : DDOF_OK;
 }
 
-/* The bytes a plane spans, as addresses [first, last). */
-static void plane_extent(const ddof_image *image, int channel, uintptr_t *first, uintptr_t *last) {
+/* The bytes a plane spans, as addresses [first, last). Strides resolved, and within 2^40: no product overflows. */
+static void plane_extent(const ddof_image *image, int channel, uint64_t *first, uint64_t *last) {
     const ddof_plane *p = &image->plane[channel];
-    intptr_t x = p->pixel_stride * (intptr_t)(image->width - 1), y = p->row_stride * (intptr_t)(image->height - 1);
-    uintptr_t base = (uintptr_t)p->data;
-    *first = base + (uintptr_t)((x < 0 ? x : 0) + (y < 0 ? y : 0));
-    *last = base + (uintptr_t)((x > 0 ? x : 0) + (y > 0 ? y : 0)) + (p->type == DDOF_HALF ? 2 : 4);
+    int64_t x = (int64_t)p->pixel_stride * (image->width - 1), y = (int64_t)p->row_stride * (image->height - 1);
+    uint64_t base = (uintptr_t)p->data;
+    *first = base + (uint64_t)((x < 0 ? x : 0) + (y < 0 ? y : 0));
+    *last = base + (uint64_t)((x > 0 ? x : 0) + (y > 0 ? y : 0)) + (p->type == DDOF_HALF ? 2 : 4);
 }
 
 static ddof_status check_plane(ddof_context *ctx, const ddof_image *image, int c, const char *name) {
@@ -51,9 +50,12 @@ static ddof_status check_plane(ddof_context *ctx, const ddof_image *image, int c
     if ((uintptr_t)p->data % (uintptr_t)size || p->pixel_stride % size || p->row_stride % size)
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.plane[%d]: data and strides must be multiples of %d bytes",
                             name, c, (int)size);
-    const ptrdiff_t most = (ptrdiff_t)1 << 40;
-    if (p->pixel_stride > most || p->pixel_stride < -most || p->row_stride > most || p->row_stride < -most)
+    const int64_t most = INT64_C(1) << 40, pixel = p->pixel_stride, row = p->row_stride;
+    if (pixel > most || pixel < -most || row > most || row < -most)
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.plane[%d]: a stride is beyond 2^40 bytes", name, c);
+    const int64_t reach = (pixel < 0 ? -pixel : pixel) * image->width;
+    if (row == 0 && (reach > most || reach > PTRDIFF_MAX))
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.plane[%d]: a row is longer than 2^40 bytes", name, c);
     return DDOF_OK;
 }
 
@@ -81,7 +83,7 @@ static ddof_status check_size(ddof_context *ctx, const ddof_image *image, const 
 }
 
 static bool overlap(const ddof_image *a, int ca, const ddof_image *b, int cb) {
-    uintptr_t a0, a1, b0, b1;
+    uint64_t a0, a1, b0, b1;
     plane_extent(a, ca, &a0, &a1);
     plane_extent(b, cb, &b0, &b1);
     return a0 < b1 && b0 < a1;
@@ -118,7 +120,8 @@ ddof_status check_geometry(ddof_context *ctx, const ddof_frame *f) {
     if (!f->picture_width && (f->offset_x || f->offset_y))
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.offset_x, offset_y need frame.picture_width, picture_height");
     const int most = MAX_SIDE * 16;
-    if (abs(f->offset_x) > most || abs(f->offset_y) > most || f->picture_width > most || f->picture_height > most)
+    if (f->offset_x > most || f->offset_y > most || f->offset_x < -most || f->offset_y < -most || f->picture_width > most ||
+        f->picture_height > most)
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.offset or frame.picture size is beyond 2^24 pixels");
     if (f->pixel_aspect != 0 && !(f->pixel_aspect >= 1e-3 && f->pixel_aspect <= 1e3))
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.pixel_aspect must be 0 (square) or 0.001 to 1000");

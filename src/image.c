@@ -3,7 +3,6 @@
 
 #include "image.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "cpu/kernels.h"
@@ -18,7 +17,7 @@ void image_resolve(ddof_image *image) {
     for (int c = 0; c < image->channels; c++) {
         ddof_plane *p = &image->plane[c];
         if (p->pixel_stride == 0) p->pixel_stride = type_size(p->type);
-        if (p->row_stride == 0) p->row_stride = image->width * (ptrdiff_t)labs(p->pixel_stride);
+        if (p->row_stride == 0) p->row_stride = image->width * (p->pixel_stride < 0 ? -p->pixel_stride : p->pixel_stride);
     }
 }
 

@@ -168,4 +168,5 @@ static const char *device(const ddof_context *ctx) {
     return "float64";
 }
 
-const backend backend_reference = {DDOF_BACKEND_REFERENCE, reference_scratch_bytes, reference_coc, reference_diffuse, device};
+const backend backend_reference = {.id = DDOF_BACKEND_REFERENCE, .scratch_bytes = reference_scratch_bytes,
+                                   .coc = reference_coc, .diffuse = reference_diffuse, .device = device};

@@ -65,4 +65,5 @@ static const char *device(const ddof_context *ctx) {
     return ctx->kernels->name;
 }
 
-const backend backend_cpu = {DDOF_BACKEND_CPU, cpu_scratch_bytes, cpu_coc, cpu_diffuse, device};
+const backend backend_cpu = {.id = DDOF_BACKEND_CPU, .scratch_bytes = cpu_scratch_bytes, .coc = cpu_coc, .diffuse = cpu_diffuse,
+                             .device = device};

@@ -175,7 +175,7 @@ static void find_holes(const sweep *s, worker *w) {
         }
         b->pixel[r] = row;
         b->row_alive[r] = holes < s->width;
-        if (s->first) w->holes += holes;
+        w->holes += holes;
     }
     for (ptrdiff_t r = b->count; r < lanes; r++) { /* the padding rows follow the last one */
         b->pixel[r] = b->pixel[b->count - 1];
@@ -212,7 +212,7 @@ static void columns_of_tile(const sweep *s, worker *w, int y, int x0, int x1) {
 static bool down_block(const sweep *s, worker *w, int block) {
     const int y = block * s->lanes, tiles = (s->width + TILE - 1) / TILE;
     load_block(s, w, y);
-    if (!s->k->rows->forward(&w->block)) {
+    if (!s->k->rows->forward(&w->block) && s->first) { /* later substeps find them filled, with or without a CoC */
         find_holes(s, w);
         s->k->rows->forward(&w->block);
     }

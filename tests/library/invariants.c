@@ -20,7 +20,7 @@ typedef void (*scene_check)(const scene *s, const ddof_settings *settings, const
 
 static void for_all(unsigned isa, color_pattern color, uint64_t seed, scene_check check) {
     rng r = {seed};
-    ddof_context *ctx = context_of(isa, 2);
+    ddof_context *ctx = context_of(isa, 1);
     for (int i = 0; i < COUNT(sizes); i++)
         for (int coc = 0; coc < COC_BEYOND; coc++)
             for (int k = 0; k < 4; k++) {
@@ -42,7 +42,7 @@ static void for_all(unsigned isa, color_pattern color, uint64_t seed, scene_chec
 static void constant(void **state) {
     static const float value[4] = {1, 0.1f, -3.3f, 65504};
     rng r = {20};
-    ddof_context *ctx = context_of(test_parameters(state).isa, 2);
+    ddof_context *ctx = context_of(test_parameters(state).isa, 1);
     for (int i = 0; i < COUNT(sizes); i++)
         for (int coc = 0; coc < COC_PATTERNS; coc++)
             for (int k = 0; k < 4; k++) {
