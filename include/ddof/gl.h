@@ -13,12 +13,13 @@
  *     if (ddof_gl_render(gl, &frame, &settings, NULL) != DDOF_OK) puts(ddof_gl_error(gl));
  *     ddof_gl_destroy(&gl);
  *
- * Needs OpenGL ES 3.0 or later, or WebGL2, with EXT_color_buffer_float (core in ES 3.2); nothing else. The library is not
- * linked to GL: every function comes through get_proc. Pixel shaders only, the cyclic reduction of Gruen 2011
+ * Needs OpenGL ES 3.0 or later, or WebGL2, with EXT_color_buffer_float (core in ES 3.2); nothing else. The library is
+ * not linked to GL: every function comes through get_proc. Pixel shaders only, the cyclic reduction of Gruen 2011
  * (docs/gl.md).
  *
- * Thread-safety: every function of this header is called on a thread where the context given to ddof_gl_create(), or one that
- * shares all its objects, is current; one call at a time per ddof_gl. Any number of ddof_gl may live on one context.
+ * Thread-safety: every function of this header is called on a thread where the context given to ddof_gl_create(), or
+ * one that shares all its objects, is current; one call at a time per ddof_gl. Any number of ddof_gl may live on one
+ * context.
  *
  * State: a call leaves all GL state as it found it, except that errors which nobody had fetched with glGetError() are
  * discarded (and logged). An occlusion query that is active counts the draws. */
@@ -57,15 +58,15 @@ typedef struct ddof_gl_texture {
 /* One frame. Row 0 is the row of texture coordinate 0. What is diffused is the colour as it is sampled: scene-linear,
  * premultiplied. */
 typedef struct ddof_gl_frame {
-    int width, height;     /* of all textures, in texels */
-    ddof_gl_texture color; /* RGBA32F, RGBA16F, RGB32F, RGB16F, R11F_G11F_B10F, RGB9_E5, RGB10_A2, RGBA8, SRGB8_ALPHA8,
-                              RGB8, SRGB8 */
-    ddof_gl_texture depth; /* R32F, R16F, or DEPTH_COMPONENT16/24/32F, DEPTH24_STENCIL8, DEPTH32F_STENCIL8. Exactly one of
-                              depth and coc has a name */
-    ddof_gl_texture coc;   /* R32F or R16F: signed diameter in pixels */
+    int width, height;      /* of all textures, in texels */
+    ddof_gl_texture color;  /* RGBA32F, RGBA16F, RGB32F, RGB16F, R11F_G11F_B10F, RGB9_E5, RGB10_A2, RGBA8, SRGB8_ALPHA8,
+                               RGB8, SRGB8 */
+    ddof_gl_texture depth;  /* R32F, R16F, or DEPTH_COMPONENT16/24/32F, DEPTH24_STENCIL8, DEPTH32F_STENCIL8. Exactly one
+                               of  depth and coc has a name */
+    ddof_gl_texture coc;    /* R32F or R16F: signed diameter in pixels */
     ddof_gl_texture output; /* RGBA32F or RGBA16F; none of the textures above */
-    int channels;          /* 0 or 4: alpha is diffused as well; 3: alpha is not looked at, and 1 in the result. The packed
-                              solvers keep the coefficients more exactly with 3 */
+    int channels; /* 0 or 4: alpha is diffused as well; 3: alpha is not looked at, and 1 in the result. The packed
+                     solvers keep the coefficients more exactly with 3 */
 
     int picture_width, picture_height, offset_x, offset_y; /* as in ddof_frame */
     double pixel_aspect;
@@ -74,15 +75,16 @@ typedef struct ddof_gl_frame {
 } ddof_gl_frame;
 
 typedef struct ddof_gl_stats {
-    size_t surface_bytes;   /* of the textures held: all but the caller's */
-    int64_t objects;        /* GL objects made since ddof_gl_create(); a second frame of the same kind makes none */
-    int64_t draws;          /* draw calls of this frame */
-    const char *device;     /* GL_RENDERER; lives as long as the ddof_gl */
-    uint64_t reserved[8];   /* written as 0 */
+    size_t surface_bytes; /* of the textures held: all but the caller's */
+    int64_t objects;      /* GL objects made since ddof_gl_create(); a second frame of the same kind makes none */
+    int64_t draws;        /* draw calls of this frame */
+    const char *device;   /* GL_RENDERER; lives as long as the ddof_gl */
+    uint64_t reserved[8]; /* written as 0 */
 } ddof_gl_stats;
 
 /* Makes a renderer for the current context. On failure *gl is NULL and config->log has got the sentence.
- * Errors: INVALID, MEMORY, UNSUPPORTED (no GL in this build, no context, older than ES 3.0, no float render targets). */
+ * Errors: INVALID, MEMORY, UNSUPPORTED (no GL in this build, no context, older than ES 3.0, no float render targets).
+ */
 DDOF_API ddof_status ddof_gl_create(ddof_gl **gl, const ddof_gl_config *config);
 
 /* Deletes its GL objects and nulls *gl. NULL and pointers to NULL are allowed. */
@@ -91,12 +93,12 @@ DDOF_API void ddof_gl_destroy(ddof_gl **gl);
 /* What was wrong with the last call that failed; "" after one that went well. */
 DDOF_API const char *ddof_gl_error(const ddof_gl *gl);
 
-/* Issues the draws that blur frame->color into frame->output, and returns: the GPU may work on. Surfaces and programs are made by
- * the first frame of a size and kind, and kept. settings as for ddof_render(), but lens.focus must be DDOF_FOCUS_DISTANCE. Holes
- * are filled as there but not counted. stats may be NULL and is zeroed when the call fails.
- * Errors: INVALID (an argument; a texture of the wrong type), MEMORY, UNSUPPORTED (larger than GL's textures), DEVICE (the
- * context was lost, or out of its memory: what `output` holds is no picture). A context lost while the GPU still works is
- * the caller's to see, by glGetGraphicsResetStatus() or her next frame. */
+/* Issues the draws that blur frame->color into frame->output, and returns: the GPU may work on. Surfaces and programs
+ * are made by the first frame of a size and kind, and kept. settings as for ddof_render(), but lens.focus must be
+ * DDOF_FOCUS_DISTANCE. Holes are filled as there but not counted. stats may be NULL and is zeroed when the call fails.
+ * Errors: INVALID (an argument; a texture of the wrong type), MEMORY, UNSUPPORTED (larger than GL's textures), DEVICE
+ * (the context was lost, or out of its memory: what `output` holds is no picture). A context lost while the GPU still
+ * works is the caller's to see, by glGetGraphicsResetStatus() or her next frame. */
 DDOF_API ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings,
                                     ddof_gl_stats *stats);
 

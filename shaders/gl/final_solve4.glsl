@@ -18,11 +18,9 @@ void main() {
     // Phase 2: its unknown.
     vec4 y_2 = substitute(reduce(r_3, r_2, r_1), y_4, y0);
 
-    // Phase 3: those beside it.
-    vec4 y = place == 3 ? y0 : y_2;
-    if (place == 0)
-        y = substitute(r_3, y_4, y_2);
-    else if (place == 2)
-        y = substitute(r_1, y_2, y0);
-    store_y(y);
+    // Phase 3: those beside it. Of the two only the one that is asked for.
+    Row r = r_1;
+    if (place == 0) r = r_3;
+    vec4 y = substitute(r, place == 0 ? y_4 : y_2, place == 0 ? y_2 : y0);
+    store_y(place == 3 ? y0 : place == 1 ? y_2 : y);
 }

@@ -141,6 +141,14 @@ vec4 fetch_y(int i, int line) {
 
 // ---- what is written
 
+vec4 rounded(vec4 x) {
+#if TO_HALF
+    return nearest_half(x);
+#else
+    return x;
+#endif
+}
+
 #if TO_ROWS && TO_PACKED
 layout(location = 0) out highp uvec4 packed_target;
 
@@ -153,7 +161,7 @@ layout(location = 1) out highp vec4 x_target;
 
 void store_row(Row r) {
     abc_target = vec4(r.a, r.g, r.c, 0.0);
-    x_target = r.x;
+    x_target = rounded(r.x);
 }
 #else
 layout(location = 0) out highp vec4 y_target;
@@ -163,6 +171,6 @@ void store_y(vec4 y) {
 #if LAST
     if (floatBitsToUint(y.x) == NOTHING) y = vec4(0.0);
 #endif
-    y_target = y;
+    y_target = rounded(y);
 }
 #endif

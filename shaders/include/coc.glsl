@@ -4,7 +4,7 @@
 // From a value of the depth map to the signed circle of confusion, in pixels: src/lens.c, and the rules of ddof_depth in
 // ddof/ddof.h. What is not a number is told by its bits: isnan() may be optimised away.
 
-uniform int depth_kind;    // ddof_depth_kind
+// DEPTH: 0: the map holds CoC; else 1 + ddof_depth_kind. Not a uniform: drivers may run all branches.
 uniform vec2 depth_linear; // offset, slope: NORMALIZED: z = offset + slope v; DEVICE: 1/z = offset + slope v
 uniform vec4 depth_axis;   // RAY: the optical axis x, y in pixels of this image; tangent of the angle of a pixel, x and y
 uniform vec4 lens_curve;   // q_far, q_near, gain_far, gain_near
@@ -28,30 +28,38 @@ float reciprocal(float v) { // what is not in front of the camera is infinitely 
 
 // 1/z of a value that is a number. p: the pixel's centre.
 float inverse_depth(float v, vec2 p) {
-    if (depth_kind == 0) return reciprocal(v);
-    if (depth_kind == 1) {
-        vec2 t = (p - depth_axis.xy) * depth_axis.zw;
-        return sqrt(1.0 + dot(t, t)) * reciprocal(v);
-    }
-    if (depth_kind == 2) return max(v, 0.0);
-    if (depth_kind == 3) return reciprocal(depth_linear.x + depth_linear.y * v);
+#if DEPTH == 2 // RAY
+    vec2 t = (p - depth_axis.xy) * depth_axis.zw;
+    return sqrt(1.0 + dot(t, t)) * reciprocal(v);
+#elif DEPTH == 3 // INVERSE
+    return max(v, 0.0);
+#elif DEPTH == 4 // NORMALIZED
+    return reciprocal(depth_linear.x + depth_linear.y * v);
+#elif DEPTH == 5 // DEVICE
     return max(depth_linear.x + depth_linear.y * v, 0.0);
+#else
+    return reciprocal(v);
+#endif
 }
 
 // The CoC of an inverse depth.
 float lens_coc(float q) {
-    if (q < lens_curve.x) return min(lens_curve.z * (lens_curve.x - q), lens_limit.x);
-    if (q > lens_curve.y) return max(lens_curve.w * (lens_curve.y - q), -lens_limit.y);
-    return 0.0;
+    float far = min(lens_curve.z * (lens_curve.x - q), lens_limit.x);
+    float near = max(lens_curve.w * (lens_curve.y - q), -lens_limit.y);
+    return q < lens_curve.x ? far : q > lens_curve.y ? near : 0.0;
 }
 
-// Signed CoC of a depth value; a value that makes a hole comes back as it is, and is not finite.
+// Signed CoC of a depth value; NaN for one that makes a hole.
 float depth_coc(float v, vec2 p) {
     uint magnitude = floatBitsToUint(v) & 0x7fffffffu;
-    bool infinite = magnitude == 0x7f800000u;
-    if (magnitude > 0x7f800000u || (infinite && v > 0.0 && depth_kind == 2)) return v;
-    float q = infinite ? 0.0 : inverse_depth(v, p);
-    return lens_coc(is_finite(q) ? q : 0.0);
+    float q = magnitude < 0x7f800000u ? inverse_depth(v, p) : 0.0;
+    float d = lens_coc(is_finite(q) ? q : 0.0);
+#if DEPTH == 3
+    bool hole = magnitude > 0x7f800000u || floatBitsToUint(v) == 0x7f800000u;
+#else
+    bool hole = magnitude > 0x7f800000u;
+#endif
+    return hole ? uintBitsToFloat(0x7fc00000u) : d;
 }
 
 // Heat conductance of the link between two pixels whose |CoC| are d, e: from the smaller one. Below 0: outside the picture,

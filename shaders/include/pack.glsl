@@ -12,7 +12,15 @@ const uint KEPT = 0x7ffffc00u, STOLEN = 0x3ffu, HALF_STEP = 0x200u;
 const uint KEPT = 0xffffffc0u, STOLEN = 0x3fu, HALF_STEP = 0x20u;
 #endif
 
+// To the nearest half float, ties to even, for |x| <= 65504: GL leaves the rounding open, both of packHalf2x16() and of a half
+// float target, and one that cuts makes every level darker.
+vec4 nearest_half(vec4 x) {
+    uvec4 bits = floatBitsToUint(x);
+    return uintBitsToFloat((bits + 0xfffu + ((bits >> 13) & 1u)) & 0xffffe000u);
+}
+
 uvec4 pack(Row r) {
+    r.x = nearest_half(r.x);
     uvec3 bits = (floatBitsToUint(vec3(r.a, r.g, r.c)) + HALF_STEP) & KEPT;
 #if ALPHA
     uint rest = packHalf2x16(r.x.zw);

@@ -21,23 +21,24 @@ float diagonal(Row r) {
     return max(r.g - r.a - r.c, 1e-35); // 0 only where a, c and x are 0, too
 }
 
-// The mean of x, y, z by their weights, which are >= 0.
-vec4 mean(vec3 weight, vec4 x, vec4 y, vec4 z) {
-    float sum = weight.x + weight.y + weight.z;
-    return sum > 0.0 ? (weight.x * x + weight.y * y + weight.z * z) / sum : vec4(0.0);
+// The mean of x, y, z by their weights, which are >= 0 and have this sum.
+vec4 mean(vec3 weight, float sum, vec4 x, vec4 y, vec4 z) {
+    vec3 share = weight / max(sum, 1e-35);
+    return share.x * x + share.y * y + share.z * z;
 }
 
 // Row r without the unknowns of its neighbours p and n.
 Row reduce(Row p, Row r, Row n) {
     float k1 = -r.a / diagonal(p), k2 = -r.c / diagonal(n);
     vec3 weight = vec3(r.g, k1 * p.g, k2 * n.g);
-    return Row(k1 * p.a, weight.x + weight.y + weight.z, k2 * n.c, mean(weight, r.x, p.x, n.x));
+    float g = weight.x + weight.y + weight.z;
+    return Row(k1 * p.a, g, k2 * n.c, mean(weight, g, r.x, p.x, n.x));
 }
 
 // The unknown of a row whose neighbours are known (equation 8.9, corrected). In a line of holes they are not.
 vec4 substitute(Row r, vec4 y_p, vec4 y_n) {
-    if (floatBitsToUint(y_p.x) == NOTHING || floatBitsToUint(y_n.x) == NOTHING) return nothing();
-    return (r.g * r.x - r.a * y_p - r.c * y_n) / diagonal(r);
+    bool holes = floatBitsToUint(y_p.x) == NOTHING || floatBitsToUint(y_n.x) == NOTHING;
+    return holes ? nothing() : mean(vec3(r.g, -r.a, -r.c), diagonal(r), r.x, y_p, y_n);
 }
 
 vec4 solve_one(Row r) {
@@ -51,7 +52,8 @@ Row normalised(Row r) {
 }
 
 vec4 solved(vec3 weight, vec4 x, vec4 y, vec4 z) {
-    return weight.x + weight.y + weight.z > 0.0 ? mean(weight, x, y, z) : nothing();
+    float sum = weight.x + weight.y + weight.z;
+    return sum > 0.0 ? mean(weight, sum, x, y, z) : nothing();
 }
 
 // Unknown `which` of two, by Cramer's rule. What divides is b0 b1 - c0 a1, written as a sum of the weights.

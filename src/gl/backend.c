@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The GL backend of ddof_render(): the described images go up to textures, through the solver, and back. Rows pass through
- * scratch memory, a few at a time. Its own context is current only while it works, never while the caller's
+/* The GL backend of ddof_render(): the described images go up to textures, through the solver, and back. Rows pass
+ * through scratch memory, a few at a time. Its own context is current only while it works, never while the caller's
  * callbacks run. */
 #include <math.h>
 #include <stdio.h>
@@ -51,7 +51,8 @@ static size_t scratch_bytes(const ddof_context *ctx, const frame_job *job) {
 static staging lay_out(const frame_job *job, void *scratch) {
     const size_t n = (size_t)job->coc_source.width * ROWS_AT_ONCE;
     char *p = scratch;
-    return (staging){(float *)(void *)p, (float *)(void *)(p + line(n * 16)), (uint16_t *)(void *)(p + line(n * 16) + line(n * 4)), 1};
+    return (staging){(float *)(void *)p, (float *)(void *)(p + line(n * 16)),
+                     (uint16_t *)(void *)(p + line(n * 16) + line(n * 4)), 1};
 }
 
 /* ---- the context */
@@ -94,8 +95,11 @@ static ddof_status start(ddof_context *ctx, gl_backend *b) {
     if (!egl_open(&b->egl, text, sizeof text)) return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "%s", text);
     ddof_status status = DDOF_ERROR_DEVICE;
     if (enter(ctx, b)) {
-        const ddof_gl_config config = {.get_proc = egl_get_proc, .get_proc_user = &b->egl, .allocate = ctx->config.allocate,
-                                       .release = ctx->config.release, .memory_user = ctx->config.memory_user};
+        const ddof_gl_config config = {.get_proc = egl_get_proc,
+                                       .get_proc_user = &b->egl,
+                                       .allocate = ctx->config.allocate,
+                                       .release = ctx->config.release,
+                                       .memory_user = ctx->config.memory_user};
         status = gl_device_create(&b->gl, &config, ctx, text, sizeof text);
         leave(b);
         if (status != DDOF_OK) context_fail(ctx, status, "%s", text);
@@ -167,8 +171,8 @@ static ddof_status make_images(ddof_context *ctx, gl_backend *b, int width, int 
     ddof_gl *gl = b->gl;
     if (width > gl->max_size || height > gl->max_size)
         return context_fail(ctx, DDOF_ERROR_UNSUPPORTED,
-                            "the picture is %d x %d, but this GL (%s) has textures up to %d: use the CPU backend", width, height,
-                            gl->renderer, gl->max_size);
+                            "the picture is %d x %d, but this GL (%s) has textures up to %d: use the CPU backend",
+                            width, height, gl->renderer, gl->max_size);
     if (i->framebuffer && i->width == width && i->height == height && i->format == format) return DDOF_OK;
     delete_images(b);
     *i = (gl_images){.width = width, .height = height, .format = format};
@@ -198,7 +202,8 @@ static void load_rows(const ddof_context *ctx, const frame_job *job, const stagi
     const int width = in.width;
     image_resolve(&in);
     for (int r = 0; r < count; r++) {
-        span_load(&in, 0, y + r, width, s->pixels + (ptrdiff_t)r * width * 4, in.alpha == DDOF_ALPHA_STRAIGHT, ctx->kernels->pixels);
+        span_load(&in, 0, y + r, width, s->pixels + (ptrdiff_t)r * width * 4, in.alpha == DDOF_ALPHA_STRAIGHT,
+                  ctx->kernels->pixels);
         plane_load(&job->coc_source, 0, 0, y + r, width, s->map + (ptrdiff_t)r * width, ctx->kernels->pixels);
     }
 }
@@ -215,7 +220,8 @@ static int64_t mark_holes(const frame_job *job, const staging *s, ptrdiff_t coun
     for (ptrdiff_t i = 0; i < count; i++) {
         float *p = s->pixels + 4 * i;
         const bool colored = finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]);
-        for (int c = 0; c < 4; c++) p[c] = colored ? p[c] * s->gain : INFINITY;
+        for (int c = 0; c < 4; c++)
+            p[c] = colored ? p[c] * s->gain : INFINITY;
         holes += !colored || unknown(job, s->map[i]);
     }
     return holes;
@@ -242,7 +248,9 @@ static ddof_status upload(ddof_context *ctx, gl_backend *b, frame_job *job, stag
     const gl_functions *f = &b->gl->f;
     const int width = b->images.width, height = b->images.height;
     const bool half = b->images.format == GL_RGBA16F;
-    if (half) s->gain = gain_for(ctx, job, s);
+    const ddof_solver solver =
+        job->settings->solver == DDOF_SOLVER_DEFAULT ? DDOF_SOLVER_CR4_PACK : job->settings->solver;
+    if (half || solver_packs(solver)) s->gain = gain_for(ctx, job, s);
     f->ActiveTexture(GL_TEXTURE0);
     for (int y = 0; y < height; y += ROWS_AT_ONCE) {
         const int rows = height - y < ROWS_AT_ONCE ? height - y : ROWS_AT_ONCE;
@@ -283,7 +291,8 @@ static ddof_status download(ddof_context *ctx, gl_backend *b, frame_job *job, co
         const int rows = height - y < ROWS_AT_ONCE ? height - y : ROWS_AT_ONCE;
         ddof_status status = read_rows(b, y, rows, s->pixels);
         if (status != DDOF_OK) return status;
-        for (ptrdiff_t i = 0; s->gain != 1 && i < (ptrdiff_t)rows * width * 4; i++) s->pixels[i] /= s->gain;
+        for (ptrdiff_t i = 0; s->gain != 1 && i < (ptrdiff_t)rows * width * 4; i++)
+            s->pixels[i] /= s->gain;
         for (int r = 0; r < rows; r++)
             span_store(&output, 0, y + r, width, s->pixels + (ptrdiff_t)r * width * 4, straight, ctx->kernels->pixels);
         if (!progress(ctx, b, rows)) return DDOF_ERROR_CANCELLED;
@@ -294,8 +303,12 @@ static ddof_status download(ddof_context *ctx, gl_backend *b, frame_job *job, co
 /* ---- the stages of the backend */
 
 static gl_frame frame_of(const gl_backend *b, frame_job *job) {
-    return (gl_frame){.job = job, .settings = job->settings, .width = b->images.width, .height = b->images.height,
-                      .color = b->images.color, .map = b->images.map};
+    return (gl_frame){.job = job,
+                      .settings = job->settings,
+                      .width = b->images.width,
+                      .height = b->images.height,
+                      .color = b->images.color,
+                      .map = b->images.map};
 }
 
 static ddof_status diffuse_now(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s) {
@@ -306,7 +319,9 @@ static ddof_status diffuse_now(ddof_context *ctx, gl_backend *b, frame_job *job,
     gl_frame frame = frame_of(b, job);
     frame.output = b->images.output;
     frame.alpha = job->frame->color.channels == 4;
-    for (GLuint i = 0; i < GL_UNITS; i++) b->gl->f.BindSampler(i, b->gl->sampler);
+    frame.half_output = format == GL_RGBA16F;
+    for (GLuint i = 0; i < GL_UNITS; i++)
+        b->gl->f.BindSampler(i, b->gl->sampler);
     b->gl->f.BindVertexArray(b->gl->vertex_array);
     b->gl->f.Disable(GL_DITHER);
     status = gl_solve(b->gl, &frame);
@@ -322,7 +337,8 @@ static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) 
     if (status == DDOF_OK) status = diffuse_now(ctx, b, job, &s);
     leave(b);
     if (ctx->cancelled) return DDOF_ERROR_CANCELLED;
-    return ctx->error[0] && status == DDOF_ERROR_CANCELLED ? DDOF_ERROR_DEVICE : status; /* lost between two callbacks */
+    return ctx->error[0] && status == DDOF_ERROR_CANCELLED ? DDOF_ERROR_DEVICE
+                                                           : status; /* lost between two callbacks */
 }
 
 static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
@@ -339,7 +355,8 @@ static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, con
     }
     gl_frame frame = frame_of(b, job);
     frame.output = b->images.coc;
-    for (GLuint i = 0; i < GL_UNITS; i++) b->gl->f.BindSampler(i, b->gl->sampler);
+    for (GLuint i = 0; i < GL_UNITS; i++)
+        b->gl->f.BindSampler(i, b->gl->sampler);
     b->gl->f.BindVertexArray(b->gl->vertex_array);
     status = gl_coc(b->gl, &frame);
     if (status != DDOF_OK) return status;
@@ -377,6 +394,13 @@ static const char *gl_device(const ddof_context *ctx) {
 }
 
 const backend backend_gl = {
-    .id = DDOF_BACKEND_GL, .scratch_bytes = scratch_bytes, .coc = gl_coc_stage, .diffuse = gl_diffuse, .device = gl_device,
-    .open = gl_open, .close = gl_close, .trim = gl_trim, .surface_bytes = gl_device_bytes,
+    .id = DDOF_BACKEND_GL,
+    .scratch_bytes = scratch_bytes,
+    .coc = gl_coc_stage,
+    .diffuse = gl_diffuse,
+    .device = gl_device,
+    .open = gl_open,
+    .close = gl_close,
+    .trim = gl_trim,
+    .surface_bytes = gl_device_bytes,
 };

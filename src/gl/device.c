@@ -66,8 +66,8 @@ static bool renders_float(ddof_gl *gl) {
 static void make_objects(ddof_gl *gl) {
     const gl_functions *f = &gl->f;
     static const GLenum parameters[][2] = {
-        {GL_TEXTURE_MIN_FILTER, GL_NEAREST},     {GL_TEXTURE_MAG_FILTER, GL_NEAREST},
-        {GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE},   {GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE},
+        {GL_TEXTURE_MIN_FILTER, GL_NEAREST},   {GL_TEXTURE_MAG_FILTER, GL_NEAREST},
+        {GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE}, {GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE},
         {GL_TEXTURE_COMPARE_MODE, GL_NONE},
     };
     f->GenVertexArrays(1, &gl->vertex_array);
@@ -104,14 +104,16 @@ static ddof_status set_up(ddof_gl *gl, char *text, size_t size) {
     f->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_size);
     make_objects(gl);
     if ((version < 32 && !has_extension(f, "GL_EXT_color_buffer_float")) || !renders_float(gl)) {
-        snprintf(text, size, "this GL (%s) does not render to float textures: EXT_color_buffer_float is needed", gl->renderer);
+        snprintf(text, size, "this GL (%s) does not render to float textures: EXT_color_buffer_float is needed",
+                 gl->renderer);
         return DDOF_ERROR_UNSUPPORTED;
     }
     gl_device_clear_errors(gl); /* what looking at formats may have left */
     return DDOF_OK;
 }
 
-ddof_status gl_device_create(ddof_gl **out, const ddof_gl_config *config, ddof_context *owner, char *text, size_t size) {
+ddof_status gl_device_create(ddof_gl **out, const ddof_gl_config *config, ddof_context *owner, char *text,
+                             size_t size) {
     ddof_gl *gl = config->allocate(config->memory_user, sizeof *gl);
     *out = NULL;
     if (!gl) {

@@ -1,8 +1,9 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What a ddof_gl holds. The parts: functions (of GL), programs (the shaders), surfaces (textures of the solver), state (of the
- * caller's context), solver (the method), interop (ddof/gl.h), and for the backend of ddof_render() egl and backend. */
+/* What a ddof_gl holds. The parts: functions (of GL), programs (the shaders), surfaces (textures of the solver), state
+ * (of the caller's context), solver (the method), interop (ddof/gl.h), and for the backend of ddof_render() egl and
+ * backend. */
 #ifndef DDOF_GL_DEVICE_H
 #define DDOF_GL_DEVICE_H
 
@@ -34,7 +35,7 @@ typedef struct gl_frame {
     int width, height;
     GLuint color, map; /* map: depth or CoC */
     GLuint output;
-    bool alpha;
+    bool alpha, half_output;
 } gl_frame;
 
 /* device.c: everything but surfaces. The context must be current. On failure *gl is NULL and `text` says why. */

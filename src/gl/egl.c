@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The display is never terminated and the library never unloaded: both are the process's, and another user of EGL in it would
- * lose her objects. */
+/* The display is never terminated and the library never unloaded: both are the process's, and another user of EGL in it
+ * would lose her objects. */
 #include "egl.h"
 
 #include <dlfcn.h>
@@ -12,7 +12,7 @@
 #include <EGL/eglext.h>
 
 /* ISO C has no conversion from void * to a function; POSIX says that they look alike. */
-#define LOOK_UP(s, name) look_up((s)->library, "egl" #name, &(s)->f.name, sizeof (s)->f.name)
+#define LOOK_UP(s, name) look_up((s)->library, "egl" #name, &(s)->f.name, sizeof(s)->f.name)
 
 static bool look_up(void *library, const char *name, void *function, size_t size) {
     void *symbol = dlsym(library, name);
@@ -23,14 +23,16 @@ static bool look_up(void *library, const char *name, void *function, size_t size
 static bool load(egl_session *s, char *text, size_t size) {
     s->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     if (!s->library) {
-        snprintf(text, size, "the GL backend needs libEGL.so.1, which is not installed (Debian: libegl1 libgl1-mesa-dri)");
+        snprintf(text, size,
+                 "the GL backend needs libEGL.so.1, which is not installed (Debian: libegl1 libgl1-mesa-dri)");
         return false;
     }
     const bool all = LOOK_UP(s, BindAPI) && LOOK_UP(s, ChooseConfig) && LOOK_UP(s, CreateContext) &&
                      LOOK_UP(s, CreatePbufferSurface) && LOOK_UP(s, DestroyContext) && LOOK_UP(s, DestroySurface) &&
                      LOOK_UP(s, GetCurrentContext) && LOOK_UP(s, GetCurrentDisplay) && LOOK_UP(s, GetCurrentSurface) &&
-                     LOOK_UP(s, GetDisplay) && LOOK_UP(s, GetError) && LOOK_UP(s, GetProcAddress) && LOOK_UP(s, Initialize) &&
-                     LOOK_UP(s, MakeCurrent) && LOOK_UP(s, QueryAPI) && LOOK_UP(s, QueryString);
+                     LOOK_UP(s, GetDisplay) && LOOK_UP(s, GetError) && LOOK_UP(s, GetProcAddress) &&
+                     LOOK_UP(s, Initialize) && LOOK_UP(s, MakeCurrent) && LOOK_UP(s, QueryAPI) &&
+                     LOOK_UP(s, QueryString);
     if (!all) snprintf(text, size, "this libEGL.so.1 is too old for the GL backend: EGL 1.4 is needed");
     return all;
 }
@@ -57,7 +59,8 @@ static EGLContext create(egl_session *s, EGLConfig config, bool robust) {
 
 /* A context on this display, or false. */
 static bool try_display(egl_session *s, EGLDisplay display) {
-    static const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT_KHR, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_NONE};
+    static const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT_KHR, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT,
+                                    EGL_NONE};
     static const EGLint small[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
     EGLConfig config = EGL_NO_CONFIG_KHR;
     EGLint count = 0;
@@ -104,7 +107,8 @@ bool egl_open(egl_session *s, char *text, size_t size) {
                 try_display(s, platform_display(s, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY))) ||
                try_display(s, s->f.GetDisplay(EGL_DEFAULT_DISPLAY));
     if (!good)
-        snprintf(text, size, "EGL finds no driver for OpenGL ES 3.0 on this machine (a software one, on Debian: libgl1-mesa-dri)");
+        snprintf(text, size,
+                 "EGL finds no driver for OpenGL ES 3.0 on this machine (a software one, on Debian: libgl1-mesa-dri)");
     if (api != EGL_NONE) s->f.BindAPI(api);
     return good;
 }

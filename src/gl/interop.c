@@ -70,7 +70,8 @@ ddof_status ddof_gl_trim(ddof_gl *gl) {
 }
 
 ddof_status ddof_gl_surface_bytes(int width, int height, const ddof_settings *settings, size_t *bytes) {
-    if (width < 1 || height < 1 || width > 1 << 20 || height > 1 << 20 || !settings || !bytes) return DDOF_ERROR_INVALID;
+    if (width < 1 || height < 1 || width > 1 << 20 || height > 1 << 20 || !settings || !bytes)
+        return DDOF_ERROR_INVALID;
     if (settings->solver < DDOF_SOLVER_DEFAULT || settings->solver > DDOF_SOLVER_CR_PCR ||
         settings->surface < DDOF_SURFACE_DEFAULT || settings->surface > DDOF_SURFACE_RGBA32F)
         return DDOF_ERROR_INVALID;
@@ -83,10 +84,17 @@ ddof_status ddof_gl_surface_bytes(int width, int height, const ddof_settings *se
 
 /* ---- what the caller says about her textures */
 
-static const GLenum color_formats[] = {GL_RGBA32F, GL_RGBA16F, GL_RGB32F, GL_RGB16F, GL_R11F_G11F_B10F, GL_RGB9_E5,
-                                       GL_RGB10_A2, GL_RGBA8, GL_SRGB8_ALPHA8, GL_RGB8, GL_SRGB8, 0};
-static const GLenum depth_formats[] = {GL_R32F, GL_R16F, GL_DEPTH_COMPONENT16, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT32F,
-                                       GL_DEPTH24_STENCIL8, GL_DEPTH32F_STENCIL8, 0};
+static const GLenum color_formats[] = {GL_RGBA32F,        GL_RGBA16F, GL_RGB32F,   GL_RGB16F,
+                                       GL_R11F_G11F_B10F, GL_RGB9_E5, GL_RGB10_A2, GL_RGBA8,
+                                       GL_SRGB8_ALPHA8,   GL_RGB8,    GL_SRGB8,    0};
+static const GLenum depth_formats[] = {GL_R32F,
+                                       GL_R16F,
+                                       GL_DEPTH_COMPONENT16,
+                                       GL_DEPTH_COMPONENT24,
+                                       GL_DEPTH_COMPONENT32F,
+                                       GL_DEPTH24_STENCIL8,
+                                       GL_DEPTH32F_STENCIL8,
+                                       0};
 static const GLenum coc_formats[] = {GL_R32F, GL_R16F, 0};
 static const GLenum output_formats[] = {GL_RGBA32F, GL_RGBA16F, 0};
 
@@ -98,7 +106,8 @@ static ddof_status wrong_type(ddof_gl *gl, const char *name, const char *why) {
 static ddof_status look_at(ddof_gl *gl, const ddof_gl_texture *t, const char *name) {
     const gl_functions *f = &gl->f;
     const GLenum d = GL_DRAW_FRAMEBUFFER;
-    const bool depth = t->format == GL_DEPTH_COMPONENT16 || t->format == GL_DEPTH_COMPONENT24 || t->format == GL_DEPTH_COMPONENT32F;
+    const bool depth =
+        t->format == GL_DEPTH_COMPONENT16 || t->format == GL_DEPTH_COMPONENT24 || t->format == GL_DEPTH_COMPONENT32F;
     const bool stencil = t->format == GL_DEPTH24_STENCIL8 || t->format == GL_DEPTH32F_STENCIL8;
     const GLenum at = stencil ? GL_DEPTH_STENCIL_ATTACHMENT : depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0;
     GLint type = 0, red = 0;
@@ -109,14 +118,16 @@ static ddof_status look_at(ddof_gl *gl, const ddof_gl_texture *t, const char *na
         f->GetFramebufferAttachmentParameteriv(d, at, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE, &type);
         f->GetFramebufferAttachmentParameteriv(d, at, GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE, &red);
     }
-    const bool incomplete = is_2d && at != GL_COLOR_ATTACHMENT0 && f->CheckFramebufferStatus(d) != GL_FRAMEBUFFER_COMPLETE;
+    const bool incomplete =
+        is_2d && at != GL_COLOR_ATTACHMENT0 && f->CheckFramebufferStatus(d) != GL_FRAMEBUFFER_COMPLETE;
     f->FramebufferTexture2D(d, at, GL_TEXTURE_2D, 0, 0);
     gl_device_clear_errors(gl);
     if (!is_2d) return wrong_type(gl, name, "this is not a 2D texture");
     if (incomplete) return wrong_type(gl, name, "the texture is not of the depth format it is said to have");
     if (type == GL_INT || type == GL_UNSIGNED_INT)
         return wrong_type(gl, name, "the texture holds integers; it must be one that is sampled as float");
-    const bool is_float = t->format == GL_RGBA32F || t->format == GL_RGBA16F || t->format == GL_R32F || t->format == GL_R16F;
+    const bool is_float =
+        t->format == GL_RGBA32F || t->format == GL_RGBA16F || t->format == GL_R32F || t->format == GL_R16F;
     const int bits = t->format == GL_RGBA32F || t->format == GL_R32F ? 32 : 16;
     if (type && is_float && (type != GL_FLOAT || red != bits))
         return wrong_type(gl, name, "the texture is not of the format it is said to have");
@@ -132,21 +143,23 @@ static ddof_status measure(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_g
     gl->f.GetTexLevelParameteriv(GL_TEXTURE_2D, 0, TEXTURE_HEIGHT, &height);
     gl->f.GetTexLevelParameteriv(GL_TEXTURE_2D, 0, TEXTURE_INTERNAL_FORMAT, &format);
     if (width != frame->width || height != frame->height)
-        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame.%s: the texture is %d x %d, not %d x %d", name, width, height,
-                            frame->width, frame->height);
+        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame.%s: the texture is %d x %d, not %d x %d", name, width,
+                            height, frame->width, frame->height);
     if ((unsigned)format != t->format)
-        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame.%s: the texture's format is 0x%04x, not 0x%04x as it is said",
-                            name, (unsigned)format, t->format);
+        return context_fail(gl->owner, DDOF_ERROR_INVALID,
+                            "frame.%s: the texture's format is 0x%04x, not 0x%04x as it is said", name,
+                            (unsigned)format, t->format);
     return DDOF_OK;
 }
 
 static ddof_status check_texture(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_gl_texture *t, const char *name,
                                  const GLenum *allowed) {
-    while (*allowed && *allowed != t->format) allowed++;
+    while (*allowed && *allowed != t->format)
+        allowed++;
     if (!t->name) return wrong_type(gl, name, "no texture is given");
     if (!*allowed)
-        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame.%s: format 0x%04x is none of those that ddof/gl.h lists for it",
-                            name, t->format);
+        return context_fail(gl->owner, DDOF_ERROR_INVALID,
+                            "frame.%s: format 0x%04x is none of those that ddof/gl.h lists for it", name, t->format);
     if (!gl->f.IsTexture(t->name)) return wrong_type(gl, name, "there is no texture of that name");
     ddof_status status = look_at(gl, t, name);
     return status == DDOF_OK ? measure(gl, frame, t, name) : status;
@@ -162,7 +175,8 @@ static ddof_status check_textures(ddof_gl *gl, const ddof_gl_frame *frame) {
                             "frame.output is also an input: a texture cannot be read and drawn to at once");
     gl->f.ActiveTexture(GL_TEXTURE0);
     ddof_status status = check_texture(gl, frame, &frame->color, "color", color_formats);
-    if (status == DDOF_OK) status = check_texture(gl, frame, map, depth ? "depth" : "coc", depth ? depth_formats : coc_formats);
+    if (status == DDOF_OK)
+        status = check_texture(gl, frame, map, depth ? "depth" : "coc", depth ? depth_formats : coc_formats);
     return status == DDOF_OK ? check_texture(gl, frame, &frame->output, "output", output_formats) : status;
 }
 
@@ -191,13 +205,14 @@ static ddof_frame described(const ddof_gl_frame *in) {
 static ddof_status check(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings) {
     GLboolean active = GL_FALSE, paused = GL_FALSE;
     if (frame->width < 1 || frame->height < 1)
-        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame is %d x %d texels: each side must be above 0", frame->width,
-                            frame->height);
+        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame is %d x %d texels: each side must be above 0",
+                            frame->width, frame->height);
     if (frame->width > gl->max_size || frame->height > gl->max_size)
-        return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED, "frame is %d x %d texels, but this GL (%s) allows %d", frame->width,
-                            frame->height, gl->renderer, gl->max_size);
+        return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED, "frame is %d x %d texels, but this GL (%s) allows %d",
+                            frame->width, frame->height, gl->renderer, gl->max_size);
     if (frame->channels != 0 && frame->channels != 3 && frame->channels != 4)
-        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame.channels is %d: give 3 or 4, or 0 for 4", frame->channels);
+        return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame.channels is %d: give 3 or 4, or 0 for 4",
+                            frame->channels);
     if (frame->depth.name && settings->lens.focus != DDOF_FOCUS_DISTANCE)
         return context_fail(gl->owner, DDOF_ERROR_INVALID,
                             "lens.focus must be DDOF_FOCUS_DISTANCE: reading a pixel back would make the GPU wait");
@@ -208,7 +223,8 @@ static ddof_status check(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_set
     return DDOF_OK;
 }
 
-static ddof_status prepare(ddof_gl *gl, frame_job *job, const ddof_frame *described_frame, const ddof_settings *settings) {
+static ddof_status prepare(ddof_gl *gl, frame_job *job, const ddof_frame *described_frame,
+                           const ddof_settings *settings) {
     double distance;
     ddof_status status = check_geometry(gl->owner, described_frame);
     if (status == DDOF_OK) status = check_settings(gl->owner, described_frame, settings);
@@ -216,7 +232,8 @@ static ddof_status prepare(ddof_gl *gl, frame_job *job, const ddof_frame *descri
     return status;
 }
 
-ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings, ddof_gl_stats *stats) {
+ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings,
+                           ddof_gl_stats *stats) {
     gl_state state;
     frame_job job;
     if (stats) memset(stats, 0, sizeof *stats);
@@ -234,14 +251,21 @@ ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_s
         gl_device_clear_errors(gl);
     }
     if (gl->lost || (status = gl_device_check(gl)) != DDOF_OK)
-        return context_fail(gl->owner, DDOF_ERROR_DEVICE, "the GL context (%s) was lost: make another ddof_gl", gl->renderer);
+        return context_fail(gl->owner, DDOF_ERROR_DEVICE, "the GL context (%s) was lost: make another ddof_gl",
+                            gl->renderer);
     gl_state_save(gl, &state);
     gl_state_set(gl);
     status = check_textures(gl, frame);
     if (status == DDOF_OK) {
-        const gl_frame work = {.job = &job, .settings = settings, .width = frame->width, .height = frame->height,
-                               .color = frame->color.name, .map = frame->depth.name ? frame->depth.name : frame->coc.name,
-                               .output = frame->output.name, .alpha = frame->channels != 3};
+        const gl_frame work = {.job = &job,
+                               .settings = settings,
+                               .width = frame->width,
+                               .height = frame->height,
+                               .color = frame->color.name,
+                               .map = frame->depth.name ? frame->depth.name : frame->coc.name,
+                               .output = frame->output.name,
+                               .alpha = frame->channels != 3,
+                               .half_output = frame->output.format == GL_RGBA16F};
         status = gl_solve(gl, &work);
     }
     gl_state_restore(gl, &state);

@@ -15,16 +15,17 @@ static const char *const stage_file[GL_STAGES] = {
 };
 
 static const char *const uniform_name[GL_UNIFORMS] = {
-    "depth_kind", "depth_linear", "depth_axis", "lens_curve", "lens_limit", "unknowns", "known",
-    "scale",      "coc_decides",  "rows_fold",  "y_fold",     "target_fold", "stride",
+    "depth_linear", "depth_axis",  "lens_curve", "lens_limit", "unknowns",    "known",
+    "scale",        "coc_decides", "rows_fold",  "y_fold",     "target_fold", "stride",
 };
 
 static const char *const sampler_name[GL_UNITS] = {"color_map", "coc_map", "abc_map", "x_map", "packed_map", "y_map"};
 
 static unsigned variant_key(const gl_variant *v) {
     return (unsigned)v->stage | (unsigned)v->rows << 4 | (unsigned)v->vertical << 6 | (unsigned)v->shared << 7 |
-           (unsigned)v->alpha << 8 | (unsigned)v->depth << 9 | (unsigned)v->half << 10 | (unsigned)v->to_rows << 11 |
-           (unsigned)v->to_packed << 12 | (unsigned)v->to_picture << 13 | (unsigned)v->last << 14;
+           (unsigned)v->alpha << 8 | (unsigned)v->half << 10 | (unsigned)v->to_rows << 11 |
+           (unsigned)v->to_packed << 12 | (unsigned)v->to_picture << 13 | (unsigned)v->last << 14 |
+           (unsigned)v->to_half << 15 | (unsigned)v->depth << 16;
 }
 
 static GLuint compile(ddof_gl *gl, GLenum type, const char *const *part, int parts, const char *name,
@@ -54,8 +55,8 @@ static GLuint link_program(ddof_gl *gl, GLuint vertex, GLuint fragment, const ch
     if (ok) return program;
     gl->f.GetProgramInfoLog(program, sizeof log, NULL, log);
     gl->f.DeleteProgram(program);
-    *status = context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED, "this GL (%s) does not link the shader %s: %s", gl->renderer,
-                           name, log);
+    *status = context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED, "this GL (%s) does not link the shader %s: %s",
+                           gl->renderer, name, log);
     return 0;
 }
 
@@ -64,10 +65,12 @@ static GLuint build(ddof_gl *gl, const gl_variant *v, ddof_status *status) {
                                   "precision highp float;\n"
                                   "precision highp int;\n";
     char defines[512];
-    snprintf(defines, sizeof defines,
-             "#define ROWS %d\n#define VERTICAL %d\n#define SHARED %d\n#define ALPHA %d\n#define DEPTH %d\n#define HALF %d\n"
-             "#define TO_ROWS %d\n#define TO_PACKED %d\n#define TO_PICTURE %d\n#define LAST %d\n",
-             v->rows, v->vertical, v->shared, v->alpha, v->depth, v->half, v->to_rows, v->to_packed, v->to_picture, v->last);
+    snprintf(
+        defines, sizeof defines,
+        "#define ROWS %d\n#define VERTICAL %d\n#define SHARED %d\n#define ALPHA %d\n#define DEPTH %d\n#define HALF %d\n"
+        "#define TO_ROWS %d\n#define TO_PACKED %d\n#define TO_PICTURE %d\n#define TO_HALF %d\n#define LAST %d\n",
+        v->rows, v->vertical, v->shared, v->alpha, v->depth, v->half, v->to_rows, v->to_packed, v->to_picture,
+        v->to_half, v->last);
     const char *name = stage_file[v->stage];
     const char *vertex_part[] = {version, shader_text("gl/triangle.glsl")};
     const char *fragment_part[] = {version,
@@ -77,7 +80,8 @@ static GLuint build(ddof_gl *gl, const gl_variant *v, ddof_status *status) {
                                    shader_text("include/pack.glsl"),
                                    shader_text("gl/surfaces.glsl"),
                                    shader_text(name)};
-    GLuint program = 0, fragment = 0, vertex = compile(gl, GL_VERTEX_SHADER, vertex_part, 2, "gl/triangle.glsl", status);
+    GLuint program = 0, fragment = 0,
+           vertex = compile(gl, GL_VERTEX_SHADER, vertex_part, 2, "gl/triangle.glsl", status);
     if (vertex) fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_part, 7, name, status);
     if (fragment) program = link_program(gl, vertex, fragment, name, status);
     if (vertex) gl->f.DeleteShader(vertex);
@@ -115,15 +119,18 @@ const gl_program *gl_program_get(ddof_gl *gl, const gl_variant *v, ddof_status *
     if (!made->name) return NULL;
     p->count++;
     gl->objects++;
-    for (int i = 0; i < GL_UNIFORMS; i++) made->uniform[i] = gl->f.GetUniformLocation(made->name, uniform_name[i]);
+    for (int i = 0; i < GL_UNIFORMS; i++)
+        made->uniform[i] = gl->f.GetUniformLocation(made->name, uniform_name[i]);
     gl->f.UseProgram(made->name);
-    for (int i = 0; i < GL_UNITS; i++) gl->f.Uniform1i(gl->f.GetUniformLocation(made->name, sampler_name[i]), i);
+    for (int i = 0; i < GL_UNITS; i++)
+        gl->f.Uniform1i(gl->f.GetUniformLocation(made->name, sampler_name[i]), i);
     return made;
 }
 
 void gl_programs_delete(ddof_gl *gl) {
     gl_programs *p = &gl->programs;
-    for (int i = 0; i < p->count; i++) gl->f.DeleteProgram(p->program[i].name);
+    for (int i = 0; i < p->count; i++)
+        gl->f.DeleteProgram(p->program[i].name);
     if (p->program) gl->config.release(gl->config.memory_user, p->program);
     *p = (gl_programs){NULL, 0, 0};
 }

@@ -27,15 +27,15 @@ typedef enum gl_rows { FROM_PICTURE, FROM_TABLE, FROM_PACKED, FROM_BOTH } gl_row
 typedef struct gl_variant {
     gl_stage stage;
     gl_rows rows;
-    bool vertical, shared, alpha, depth, half;
-    bool to_rows, to_packed, to_picture, last;
+    bool vertical, shared, alpha, half;
+    int depth; /* 0: the map holds CoC; else 1 + ddof_depth_kind */
+    bool to_rows, to_packed, to_picture, to_half, last;
 } gl_variant;
 
 /* Texture units of the samplers. */
 enum { UNIT_COLOR, UNIT_COC, UNIT_ABC, UNIT_X, UNIT_PACKED, UNIT_Y, GL_UNITS };
 
 typedef enum gl_uniform {
-    U_DEPTH_KIND,
     U_DEPTH_LINEAR,
     U_DEPTH_AXIS,
     U_LENS_CURVE,

@@ -27,8 +27,8 @@ typedef struct direction {
     const gl_chain *chain;
     bool vertical, coc_decides;
     float scale;
-    GLuint source;   /* texture that is blurred */
-    GLuint target;   /* framebuffer of the result */
+    GLuint source;        /* texture that is blurred */
+    GLuint target;        /* framebuffer of the result */
     const gl_target *abc; /* cr-vanilla: the coefficients of the picture, once there are any */
     ddof_status status;
 } direction;
@@ -41,7 +41,6 @@ static float bounded(float v) {
 static void set_lens(const gl_functions *f, const GLint *u, const gl_frame *frame) {
     const lens_curve *c = &frame->job->curve;
     const ddof_frame *in = frame->job->frame;
-    f->Uniform1i(u[U_DEPTH_KIND], (GLint)c->kind);
     f->Uniform2f(u[U_DEPTH_LINEAR], c->offset, c->slope);
     f->Uniform4f(u[U_DEPTH_AXIS], c->x_center - (float)in->offset_x, c->y_center - (float)in->offset_y, c->x_tangent,
                  c->y_tangent);
@@ -54,21 +53,32 @@ static void bind(const gl_functions *f, GLuint unit, GLuint texture) {
     f->BindTexture(GL_TEXTURE_2D, texture);
 }
 
+/* Whether what is written, or its colours, are half floats. */
+static bool writes_half(const direction *d, const pass *p) {
+    if (p->to) return p->to->format[p->to->format[1] ? 1 : 0] == GL_RGBA16F;
+    return p->stage != STAGE_COC &&
+           (d->vertical ? d->frame->half_output : d->gl->surfaces.picture->format[0] == GL_RGBA16F);
+}
+
 static gl_variant variant_of(const direction *d, const pass *p) {
     const gl_layout *l = &d->gl->surfaces.layout;
     const bool picture = !p->rows || p->rows == d->abc;
     gl_variant v;
     memset(&v, 0, sizeof v);
     v.stage = p->stage;
-    v.rows = !p->rows ? FROM_PICTURE : p->rows == d->abc ? FROM_BOTH : solver_packs(l->solver) ? FROM_PACKED : FROM_TABLE;
+    v.rows = !p->rows                  ? FROM_PICTURE
+             : p->rows == d->abc       ? FROM_BOTH
+             : solver_packs(l->solver) ? FROM_PACKED
+                                       : FROM_TABLE;
     v.vertical = d->vertical;
     v.shared = d->vertical && l->shared;
     v.alpha = d->frame->alpha;
-    v.depth = !p->rows && d->frame->job->is_depth;
-    v.half = picture && l->surface == DDOF_SURFACE_RGBA16F;
+    v.depth = !p->rows && d->frame->job->is_depth ? 1 + (int)d->frame->job->curve.kind : 0;
+    v.half = picture && (l->surface == DDOF_SURFACE_RGBA16F || solver_packs(l->solver));
     v.to_rows = p->to_rows;
     v.to_packed = p->to_rows && solver_packs(l->solver);
     v.to_picture = !p->to || p->to == d->gl->surfaces.abc;
+    v.to_half = writes_half(d, p);
     v.last = d->vertical && !p->to;
     return v;
 }
@@ -133,7 +143,8 @@ static void pcr(direction *d, const gl_target *rows, int n, const gl_target *to)
     for (int stride = 1; stride < n; stride *= 2, turn ^= 1) {
         const bool last = 2 * stride >= n;
         const gl_target *next = last ? to : d->chain->pcr[turn];
-        draw(d, &(pass){STAGE_PCR, .rows = rows, .unknowns = n, .to = next, .to_unknowns = n, .to_rows = !last, .stride = stride});
+        draw(d, &(pass){STAGE_PCR, .rows = rows, .unknowns = n, .to = next, .to_unknowns = n, .to_rows = !last,
+                        .stride = stride});
         rows = next;
     }
 }

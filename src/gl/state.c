@@ -4,9 +4,16 @@
 #include "state.h"
 
 static const GLenum caps[STATE_CAPS] = {
-    GL_BLEND,       GL_CULL_FACE,          GL_DEPTH_TEST,         GL_DITHER,
-    GL_RASTERIZER_DISCARD, GL_SAMPLE_COVERAGE, GL_SCISSOR_TEST, GL_STENCIL_TEST,
-    GL_POLYGON_OFFSET_FILL, GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_BLEND,
+    GL_CULL_FACE,
+    GL_DEPTH_TEST,
+    GL_DITHER,
+    GL_RASTERIZER_DISCARD,
+    GL_SAMPLE_COVERAGE,
+    GL_SCISSOR_TEST,
+    GL_STENCIL_TEST,
+    GL_POLYGON_OFFSET_FILL,
+    GL_SAMPLE_ALPHA_TO_COVERAGE,
 };
 
 void gl_state_save(const ddof_gl *gl, gl_state *s) {
@@ -21,7 +28,8 @@ void gl_state_save(const ddof_gl *gl, gl_state *s) {
         f->GetIntegerv(GL_TEXTURE_BINDING_2D, &s->texture[i]);
         f->GetIntegerv(GL_SAMPLER_BINDING, &s->sampler[i]);
     }
-    for (int i = 0; i < STATE_CAPS; i++) s->cap[i] = f->IsEnabled(caps[i]);
+    for (int i = 0; i < STATE_CAPS; i++)
+        s->cap[i] = f->IsEnabled(caps[i]);
     f->GetBooleanv(GL_COLOR_WRITEMASK, s->mask);
     s->buffers = 0;
     if (!f->Enablei) return;
@@ -36,11 +44,13 @@ void gl_state_save(const ddof_gl *gl, gl_state *s) {
 
 void gl_state_set(const ddof_gl *gl) {
     const gl_functions *f = &gl->f;
-    for (int i = 0; i < STATE_CAPS; i++) f->Disable(caps[i]);
+    for (int i = 0; i < STATE_CAPS; i++)
+        f->Disable(caps[i]);
     f->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     f->BindVertexArray(gl->vertex_array);
     /* A sampler object of our own: the caller's filters could make a texture incomplete. */
-    for (GLuint i = 0; i < GL_UNITS; i++) f->BindSampler(i, gl->sampler);
+    for (GLuint i = 0; i < GL_UNITS; i++)
+        f->BindSampler(i, gl->sampler);
 }
 
 void gl_state_restore(const ddof_gl *gl, const gl_state *s) {

@@ -8,8 +8,9 @@
 
 #include "../context.h"
 
-static const char absent[] = "this library was built without its GL backend: build it with -Dgl=enabled (Debian: libegl-dev "
-                             "libgles-dev)";
+static const char absent[] =
+    "this library was built without its GL backend: build it with -Dgl=enabled (Debian: libegl-dev "
+    "libgles-dev)";
 
 static ddof_status gl_open(ddof_context *ctx) {
     return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "%s", absent);
@@ -33,7 +34,8 @@ const char *ddof_gl_error(const ddof_gl *gl) {
     return "";
 }
 
-ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings, ddof_gl_stats *stats) {
+ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings,
+                           ddof_gl_stats *stats) {
     (void)gl, (void)frame, (void)settings;
     if (stats) memset(stats, 0, sizeof *stats);
     return DDOF_ERROR_UNSUPPORTED;

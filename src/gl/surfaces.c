@@ -39,7 +39,8 @@ static void plan_chain(gl_chain *c, const gl_layout *l, int length, int lines) {
     c->length = length;
     c->lines = lines;
     if (solver_is_cr4(l->solver) && n > few(l->solver)) c->unknowns[c->levels++] = n /= 4;
-    while (n > few(l->solver)) c->unknowns[c->levels++] = n /= 2;
+    while (n > few(l->solver))
+        c->unknowns[c->levels++] = n /= 2;
 }
 
 static gl_target *add(gl_surfaces *s, int width, int height, GLenum format, GLenum second) {
@@ -51,8 +52,8 @@ static gl_target *add(gl_surfaces *s, int width, int height, GLenum format, GLen
     return t;
 }
 
-/* A surface for `across` unknowns of every row, or for `down` of every column, or, where both are given, for the one after
- * the other: the second then in strips as wide as the first. */
+/* A surface for `across` unknowns of every row, or for `down` of every column, or, where both are given, for the one
+ * after the other: the second then in strips as wide as the first. */
 static gl_target *add_level(gl_surfaces *s, int across, int down, GLenum format, GLenum second) {
     const int w = s->layout.width, h = s->layout.height;
     if (!down) return add(s, across, h, format, second);
@@ -82,11 +83,11 @@ static void add_chain(gl_surfaces *s, gl_chain *h, gl_chain *v) {
     if (s->layout.solver != DDOF_SOLVER_CR_PCR) return;
     const int across = !h ? 0 : h->levels ? h->unknowns[h->levels - 1] : h->length;
     const int down = !v ? 0 : v->levels ? v->unknowns[v->levels - 1] : v->length;
+    /* Floats, whatever the surface: PCR rounds every unknown in every step. */
     for (int i = 0; i < 2; i++) {
-        const bool spent_h = !h || h->levels > 0, spent_v = !v || v->levels > 0;
-        gl_target *pcr = i == 1 && spent_h && spent_v ? NULL : add_level(s, across, down, GL_RGBA32F, x);
-        if (h) h->pcr[i] = pcr ? pcr : h->rows[h->levels - 1];
-        if (v) v->pcr[i] = pcr ? pcr : v->rows[v->levels - 1];
+        gl_target *pcr = add_level(s, across, down, GL_RGBA32F, GL_RGBA32F);
+        if (h) h->pcr[i] = pcr;
+        if (v) v->pcr[i] = pcr;
     }
 }
 
@@ -142,9 +143,10 @@ ddof_status gl_surfaces_make(ddof_gl *gl, const gl_layout *l) {
     for (int i = 0; i < s->targets; i++)
         if (s->target[i].width > l->max_size || s->target[i].height > l->max_size)
             status = context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
-                                  "a surface of %d x %d is larger than the %d that this GL (%s) allows", s->target[i].width,
-                                  s->target[i].height, l->max_size, gl->renderer);
-    for (int i = 0; i < s->targets && status == DDOF_OK; i++) status = make_target(gl, &s->target[i]);
+                                  "a surface of %d x %d is larger than the %d that this GL (%s) allows",
+                                  s->target[i].width, s->target[i].height, l->max_size, gl->renderer);
+    for (int i = 0; i < s->targets && status == DDOF_OK; i++)
+        status = make_target(gl, &s->target[i]);
     if (status != DDOF_OK) gl_surfaces_delete(gl);
     return status;
 }

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The textures of a solver: which there are, how large, how many bytes. Counted are all of them; the caller's picture, its
- * depth or CoC and the result are not among them. Bytes per pixel with rgba16f, for a large picture:
+/* The textures of a solver: which there are, how large, how many bytes. Counted are all of them; the caller's picture,
+ * its depth or CoC and the result are not among them. Bytes per pixel with rgba16f, for a large picture:
  *
  *                  abc or packed   x   y   both directions   horizontally diffused picture   sum
  *     cr                16         8   6         60                       8                   68
@@ -10,8 +10,8 @@
  *     cr4                8         4   3         30                       8                   38
  *     cr4+pack           8         -   3         22                       8                   30
  *
- * y needs two surfaces, for the levels in turn: once a level is solved, the one before it is spent. A shared chain serves
- * both directions. */
+ * y needs two surfaces, for the levels in turn: once a level is solved, the one before it is spent. A shared chain
+ * serves both directions. */
 #ifndef DDOF_GL_SURFACES_H
 #define DDOF_GL_SURFACES_H
 
@@ -47,7 +47,7 @@ typedef struct gl_surfaces {
     gl_layout layout;
     gl_target target[GL_TARGETS];
     int targets;
-    gl_chain chain[2]; /* along rows, along columns */
+    gl_chain chain[2];  /* along rows, along columns */
     gl_target *picture; /* horizontally diffused */
     gl_target *abc;     /* cr-vanilla: full resolution */
     size_t bytes;

@@ -103,6 +103,11 @@ static void add_many_attributes(exr_context_t c, int part) {
     check(exr_attr_set_v3d(c, part, "aV3d", &(exr_attr_v3d_t){.x = 1, .y = -2, .z = 3}));
     check(exr_attr_set_float(c, part, "dwaCompressionLevel", 60));
     check(exr_attr_set_user(c, part, "studioData", "studioType", 5, "\1\2\0\3\4"));
+    /* Longer than what is read of a header at first. */
+    static unsigned char manifest[300000];
+    for (size_t i = 0; i < sizeof manifest; i++)
+        manifest[i] = (unsigned char)hash((uint32_t)i);
+    check(exr_attr_set_user(c, part, "manifest", "studioType", sizeof manifest, manifest));
     check(exr_attr_set_string(c, part, "an attribute whose name has more than 31 characters", "long"));
 }
 
