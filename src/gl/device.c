@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { CONTEXT_LOST = 0x0507, OLDEST = 30 };
+enum { OLDEST = 30 };
 
 static bool has_extension(const gl_functions *f, const char *name) {
     GLint count = 0;
@@ -145,15 +145,15 @@ void gl_device_destroy(ddof_gl **out) {
     gl->config.release(gl->config.memory_user, gl);
 }
 
-static ddof_status lost(ddof_gl *gl) {
+ddof_status gl_device_lost(ddof_gl *gl) {
     gl->lost = true;
     return context_fail(gl->owner, DDOF_ERROR_DEVICE, "the GL context (%s) was lost", gl->renderer);
 }
 
 ddof_status gl_device_check(ddof_gl *gl) {
     const GLenum error = gl->f.GetError();
-    if (error == CONTEXT_LOST || (gl->f.GetGraphicsResetStatus && gl->f.GetGraphicsResetStatus() != GL_NO_ERROR))
-        return lost(gl);
+    if (error == GL_CONTEXT_WAS_LOST || (gl->f.GetGraphicsResetStatus && gl->f.GetGraphicsResetStatus() != GL_NO_ERROR))
+        return gl_device_lost(gl);
     if (error == GL_NO_ERROR) return DDOF_OK;
     gl_device_clear_errors(gl);
     if (error == GL_OUT_OF_MEMORY)
@@ -165,6 +165,6 @@ void gl_device_clear_errors(ddof_gl *gl) {
     for (int i = 0; i < 16; i++) { /* a lost context may never run out of them */
         const GLenum error = gl->f.GetError();
         if (error == GL_NO_ERROR) return;
-        if (error == CONTEXT_LOST) gl->lost = true;
+        if (error == GL_CONTEXT_WAS_LOST) gl->lost = true;
     }
 }

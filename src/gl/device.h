@@ -12,6 +12,8 @@
 #include "programs.h"
 #include "surfaces.h"
 
+enum { GL_CONTEXT_WAS_LOST = 0x0507 }; /* an error of ES 3.2 and KHR_robustness */
+
 struct ddof_gl {
     ddof_gl_config config; /* all callbacks filled in, but log */
     ddof_context *owner;   /* whose error text and log are used: &shell, or the context this is the backend of */
@@ -41,6 +43,8 @@ typedef struct gl_frame {
 /* device.c: everything but surfaces. The context must be current. On failure *gl is NULL and `text` says why. */
 ddof_status gl_device_create(ddof_gl **gl, const ddof_gl_config *config, ddof_context *owner, char *text, size_t size);
 void gl_device_destroy(ddof_gl **gl);
+/* Marks it as lost and says so. */
+ddof_status gl_device_lost(ddof_gl *gl);
 /* DDOF_OK, or what GL has to complain about. */
 ddof_status gl_device_check(ddof_gl *gl);
 /* Forgets the errors that lie there already. */

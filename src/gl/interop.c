@@ -113,7 +113,8 @@ static ddof_status look_at(ddof_gl *gl, const ddof_gl_texture *t, const char *na
     GLint type = 0, red = 0;
     f->BindFramebuffer(d, gl->probe);
     f->FramebufferTexture2D(d, at, GL_TEXTURE_2D, t->name, 0);
-    const bool is_2d = f->GetError() == GL_NO_ERROR;
+    const GLenum error = f->GetError();
+    const bool is_2d = error == GL_NO_ERROR;
     if (is_2d && at == GL_COLOR_ATTACHMENT0 && f->CheckFramebufferStatus(d) == GL_FRAMEBUFFER_COMPLETE) {
         f->GetFramebufferAttachmentParameteriv(d, at, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE, &type);
         f->GetFramebufferAttachmentParameteriv(d, at, GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE, &red);
@@ -122,6 +123,8 @@ static ddof_status look_at(ddof_gl *gl, const ddof_gl_texture *t, const char *na
         is_2d && at != GL_COLOR_ATTACHMENT0 && f->CheckFramebufferStatus(d) != GL_FRAMEBUFFER_COMPLETE;
     f->FramebufferTexture2D(d, at, GL_TEXTURE_2D, 0, 0);
     gl_device_clear_errors(gl);
+    if (error == GL_CONTEXT_WAS_LOST) gl->lost = true;
+    if (gl->lost) return gl_device_lost(gl);
     if (!is_2d) return wrong_type(gl, name, "this is not a 2D texture");
     if (incomplete) return wrong_type(gl, name, "the texture is not of the depth format it is said to have");
     if (type == GL_INT || type == GL_UNSIGNED_INT)

@@ -102,6 +102,19 @@ static void unfit_contexts(void **state) {
     memset(&tap, 0, sizeof tap);
 }
 
+/* Lost while the caller's textures are looked at: not her textures' fault. */
+static void lost_early(void **state) {
+    (void)state;
+    gl_scene g = gl_scene_make(50, 40, GL_RGBA16F, 15);
+    for (int at = 1; at <= 5; at++) {
+        ddof_gl *gl = create();
+        tap.error_at = at;
+        refused(gl, &g.frame, &(ddof_settings){0}, DDOF_ERROR_DEVICE, "lost");
+        ddof_gl_destroy(&gl);
+    }
+    gl_scene_free(&g);
+}
+
 /* Wherever in a frame the context is lost, the frame fails, and so do all after it. */
 static void lost_context(void **state) {
     (void)state;
@@ -238,10 +251,15 @@ static void too_large(void **state) {
 
 int main(void) {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(invalid_frames),     cmocka_unit_test(unfit_contexts),
-        cmocka_unit_test(lost_context),       cmocka_unit_test(out_of_texture_memory),
-        cmocka_unit_test(out_of_memory_here), cmocka_unit_test(beside_each_other),
-        cmocka_unit_test(cancelled),          cmocka_unit_test(too_large),
+        cmocka_unit_test(invalid_frames),
+        cmocka_unit_test(unfit_contexts),
+        cmocka_unit_test(lost_early),
+        cmocka_unit_test(lost_context),
+        cmocka_unit_test(out_of_texture_memory),
+        cmocka_unit_test(out_of_memory_here),
+        cmocka_unit_test(beside_each_other),
+        cmocka_unit_test(cancelled),
+        cmocka_unit_test(too_large),
     };
     return run_with_session("gl refused", tests, COUNT(tests));
 }

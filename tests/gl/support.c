@@ -25,6 +25,14 @@ int run_gl_tests(const char *group, const struct CMUnitTest *tests, int count, c
     return _cmocka_run_group_tests(group, units, (size_t)count, NULL, NULL);
 }
 
+#if defined(__SANITIZE_THREAD__)
+#define THREAD_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define THREAD_SANITIZER 1
+#endif
+#endif
+
 static char why[300];
 
 static void keep(void *user, ddof_log_level level, const char *text) {
@@ -33,6 +41,9 @@ static void keep(void *user, ddof_log_level level, const char *text) {
 }
 
 const char *gl_missing(void) {
+#ifdef THREAD_SANITIZER
+    return "the driver's compiler does not run under ThreadSanitizer"; /* and the backend has one thread */
+#endif
     ddof_config config = {.backend = DDOF_BACKEND_GL, .log = keep};
     ddof_context *ctx = NULL;
     ddof_status status = ddof_create(&ctx, &config);

@@ -59,6 +59,8 @@ static bool is_lost(void) {
 }
 
 static GLenum get_error(void) {
+    tap.errors_asked++;
+    if (tap.error_at && tap.errors_asked >= tap.error_at) return 0x0507;
     if (out_of_memory) {
         out_of_memory = false;
         return GL_OUT_OF_MEMORY;
@@ -129,6 +131,7 @@ ddof_gl *create(void) {
     ddof_gl *gl = NULL;
     memset(&tap, 0, sizeof tap);
     if (try_create(&gl) != DDOF_OK) fail_msg("ddof_gl_create: %s", said);
+    tap.errors_asked = 0;
     return gl;
 }
 

@@ -16,11 +16,12 @@ extern egl_session session;
 #define GL(type, name) ((type)egl_get_proc(&session, #name))
 
 typedef struct gl_tap {
-    size_t bytes;  /* of textures made */
-    int made;      /* objects of any kind */
-    int calls;     /* that draw */
-    int reset_at;  /* draw from which on the context counts as lost; 0: never */
-    int memory_at; /* texture whose storage is refused; 0: none */
+    size_t bytes;               /* of textures made */
+    int made;                   /* objects of any kind */
+    int calls;                  /* that draw */
+    int reset_at;               /* draw from which on the context counts as lost; 0: never */
+    int memory_at;              /* texture whose storage is refused; 0: none */
+    int errors_asked, error_at; /* question for errors from which on the context is lost; 0: never */
     int textures;
     bool no_extension, incomplete, small, silent_reset;
     const char *hidden; /* a function that is not there */

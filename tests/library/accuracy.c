@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Every instruction set against the float64 reference, to the tolerance of support.h: 1e-5 of the range of the colours, and
- * more where a pixel reaches very far. */
+/* Every instruction set against the float64 reference, to the tolerance of support.h: 1e-5 of the range of the colours,
+ * and more where a pixel reaches very far. */
 #include "support.h"
 
 #include <stdio.h>
@@ -30,8 +30,8 @@ static void check(const pair *p, const scene *s, const ddof_settings *settings, 
     frame.output = ddof_image_interleaved(want, s->width, s->height, 4, DDOF_FLOAT, 0);
     render(p->reference, &frame, settings);
     double tolerance = tolerance_of(s, settings, aspect) * magnitude(s->color, n);
-    assert_close(s->output, want, n, tolerance, "%d x %d, %s, conductance %d, %d substeps, aspect %g",
-                 s->width, s->height, what, settings->conductance, settings->substeps, aspect);
+    assert_close(s->output, want, n, tolerance, "%d x %d, %s, conductance %d, %d substeps, aspect %g", s->width,
+                 s->height, what, settings->conductance, settings->substeps, aspect);
     fenced_free(want);
 }
 
@@ -62,7 +62,8 @@ static void sizes(void **state) {
         for (int width = 1; width <= 67; width++) {
             ddof_settings settings = some_settings(&r);
             scene_check(&p, width, height, (coc_pattern)rng_range(&r, 0, COC_PATTERNS - 1),
-                        (color_pattern)rng_range(&r, 0, COLOR_PATTERNS - 1), &settings, aspects[rng_range(&r, 0, 4)], &r);
+                        (color_pattern)rng_range(&r, 0, COLOR_PATTERNS - 1), &settings, aspects[rng_range(&r, 0, 4)],
+                        &r);
         }
     pair_destroy(&p);
 }
@@ -83,7 +84,8 @@ static void patterns(void **state) {
 
 /* Long lines, where rounding has the longest way to grow. */
 static void long_lines(void **state) {
-    static const int size[][2] = {{8192, 3}, {8191, 1}, {8185, 2}, {5003, 5}, {3, 8192}, {1, 8191}, {2, 8185}, {5, 5003}};
+    static const int size[][2] = {{8192, 3}, {8191, 1}, {8185, 2}, {5003, 5},
+                                  {3, 8192}, {1, 8191}, {2, 8185}, {5, 5003}};
     static const coc_pattern cocs[] = {COC_HUGE, COC_RANDOM, COC_SPLIT, COC_BEYOND};
     rng r = {3};
     pair p = pair_make(test_parameters(state).isa);
@@ -107,7 +109,8 @@ static void magnitudes(void **state) {
             scene s = scene_fill(i % 4 < 2 ? 4099 : 1, i % 4 < 2 ? 1 : 4099, COC_ZERO, (color_pattern)(i / 2), &r);
             char what[40];
             snprintf(what, sizeof what, "CoC %g", d);
-            for (int k = 0; k < s.width * s.height; k++) s.coc[k] = (float)d;
+            for (int k = 0; k < s.width * s.height; k++)
+                s.coc[k] = (float)d;
             check(&p, &s, &settings, 0, what);
             scene_free(&s);
         }
@@ -126,14 +129,16 @@ static void pictures(void **state) {
     pair_destroy(&p);
 }
 
-/* Beside lights of 1e6 dark pixels are right too: to 1e-4 of their own value and 1e-7 of the lights. Not to 1e-4 alone, for
- * what a light sends over a link of small conductance beta is rounded to 6e-8/beta of itself (1 - keep, in float). */
+/* Beside lights of 1e6 dark pixels are right too: to 1e-4 of their own value and 1e-7 of the lights. Not to 1e-4 alone,
+ * for what a light sends over a link of small conductance beta is rounded to 6e-8/beta of itself (1 - keep, in float).
+ */
 static void lights(void **state) {
     rng r = {6};
     pair p = pair_make(test_parameters(state).isa);
     for (int i = 0; i < 40; i++) {
         ddof_settings settings = {.conductance = (ddof_conductance)(i % 2)};
-        scene s = scene_fill(rng_range(&r, 1, 400), rng_range(&r, 1, 200), (coc_pattern)(i % COC_BEYOND), COLOR_LIGHTS, &r);
+        scene s =
+            scene_fill(rng_range(&r, 1, 400), rng_range(&r, 1, 200), (coc_pattern)(i % COC_BEYOND), COLOR_LIGHTS, &r);
         const size_t n = (size_t)s.width * (size_t)s.height * 4;
         float *want = fenced(n * sizeof *want, true);
         ddof_frame frame = scene_frame(&s);
@@ -153,12 +158,9 @@ static void lights(void **state) {
 
 int main(void) {
     static const test tests[] = {
-        {"sizes 1..67 both ways", sizes, true, 0, 0},
-        {"patterns of CoC and colour", patterns, true, 0, 0},
-        {"lines of 8192", long_lines, true, 0, 0},
-        {"magnitudes of CoC", magnitudes, true, 0, 0},
-        {"pictures", pictures, true, 0, 0},
-        {"dark pixels beside lights", lights, true, 0, 0},
+        {"sizes 1..67 both ways", sizes, true, 0, 0}, {"patterns of CoC and colour", patterns, true, 0, 0},
+        {"lines of 8192", long_lines, true, 0, 0},    {"magnitudes of CoC", magnitudes, true, 0, 0},
+        {"pictures", pictures, true, 0, 0},           {"dark pixels beside lights", lights, true, 0, 0},
     };
     return run_library_tests("accuracy", tests, COUNT(tests));
 }

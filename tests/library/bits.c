@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What the bits of a result do not depend on: threads, parallel_for, the arrangement of memory, in place or not, earlier calls
- * on the context, and which of two instruction sets with fused multiply-add computed them. */
+/* What the bits of a result do not depend on: threads, parallel_for, the arrangement of memory, in place or not,
+ * earlier calls on the context, and which of two instruction sets with fused multiply-add computed them. */
 #include "layout.h"
 #include "parallel.h"
 #include "support.h"
@@ -10,7 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-static const int sizes[][2] = {{1, 1}, {64, 64}, {97, 53}, {130, 33}, {300, 3}, {5, 300}, {192, 31}, {17, 16}, {65, 128}};
+static const int sizes[][2] = {{1, 1},   {64, 64},  {97, 53}, {130, 33}, {300, 3},
+                               {5, 300}, {192, 31}, {17, 16}, {65, 128}};
 
 static ddof_settings settings_of(int i) {
     return (ddof_settings){.conductance = (ddof_conductance)(i % 2), .substeps = i % 3};
@@ -60,7 +61,8 @@ static void threads(void **state) {
 static void parallel_for(void **state) {
     int (*const loops[])(void *, int, ddof_task, void *) = {parallel_serial, parallel_reversed, parallel_threads};
     rng r = {31};
-    ddof_config config = {.cpu_mask = test_parameters(state).isa, .threads = PARALLEL_THREADS,
+    ddof_config config = {.cpu_mask = test_parameters(state).isa,
+                          .threads = PARALLEL_THREADS,
                           .parallel_for = loops[test_parameters(state).value]};
     ddof_context *ctx = NULL;
     assert_int_equal(ddof_create(&ctx, &config), DDOF_OK);
@@ -80,7 +82,8 @@ static void parallel_for(void **state) {
 /* ---- memory */
 
 /* Renders with the three images arranged as told; in place where output < 0. */
-static void render_arranged(ddof_context *ctx, const scene *s, const ddof_settings *settings, int color, int coc, int output) {
+static void render_arranged(ddof_context *ctx, const scene *s, const ddof_settings *settings, int color, int coc,
+                            int output) {
     stored in = stored_make((layout)color, s->width, s->height, 4, 0);
     stored map = stored_make((layout)coc, s->width, s->height, 1, 0);
     stored out = {0};
@@ -110,8 +113,8 @@ static void memory(void **state) {
             for (int output = -1; output < LAYOUTS; output++) {
                 int coc = (color + output + 1) % LAYOUT_PLANAR;
                 render_arranged(ctx, &s, &settings, color, coc, output);
-                assert_same_bits(s.output, want, values_of(&s), "%d x %d, colour %d, CoC %d, output %d", s.width, s.height,
-                                 color, coc, output);
+                assert_same_bits(s.output, want, values_of(&s), "%d x %d, colour %d, CoC %d, output %d", s.width,
+                                 s.height, color, coc, output);
             }
         fenced_free(want);
         scene_free(&s);
@@ -143,8 +146,8 @@ static void in_place(void **state) {
         render(ctx, &frame, &settings);
         memset(s.color, 0, values_of(&s) * sizeof(float));
         stored_get(&in, s.color, 4);
-        assert_same_bits(s.color, s.output, values_of(&s), "%d x %d, %d channels, half %x, arrangement %d", s.width, s.height,
-                         channels, half, arrangement);
+        assert_same_bits(s.color, s.output, values_of(&s), "%d x %d, %d channels, half %x, arrangement %d", s.width,
+                         s.height, channels, half, arrangement);
         assert_gaps_intact(&in);
         stored_free(&in);
         stored_free(&out);

@@ -1,13 +1,15 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* One call at a time, progress and cancelling, logging, loops that fail, threads beyond the work, contexts side by side. */
+/* One call at a time, progress and cancelling, logging, loops that fail, threads beyond the work, contexts side by
+ * side. */
 #include "allocator.h"
 #include "parallel.h"
 #include "support.h"
 
 #include <math.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -32,7 +34,8 @@ static void names(void **state) {
     assert_string_equal(ddof_version(), DDOF_VERSION_STRING);
     for (int i = DDOF_OK; i <= DDOF_ERROR_DEVICE; i++) {
         assert_true(ddof_status_text((ddof_status)i)[0] != 0);
-        for (int k = DDOF_OK; k < i; k++) assert_string_not_equal(ddof_status_text((ddof_status)i), ddof_status_text((ddof_status)k));
+        for (int k = DDOF_OK; k < i; k++)
+            assert_string_not_equal(ddof_status_text((ddof_status)i), ddof_status_text((ddof_status)k));
     }
     assert_non_null(ddof_status_text((ddof_status)99));
     assert_non_null(ddof_status_text((ddof_status)-1));
@@ -48,8 +51,10 @@ static const char *device_of(const ddof_config *config) {
     ddof_settings settings = {0};
     ddof_stats stats = render(ctx, &frame, &settings);
     assert_true(stats.threads >= 1);
-    if (config && config->threads && config->backend != DDOF_BACKEND_REFERENCE) assert_int_equal(stats.threads, config->threads);
-    for (int i = 0; i < COUNT(stats.reserved); i++) assert_true(stats.reserved[i] == 0);
+    if (config && config->threads && config->backend != DDOF_BACKEND_REFERENCE)
+        assert_int_equal(stats.threads, config->threads);
+    for (int i = 0; i < COUNT(stats.reserved); i++)
+        assert_true(stats.reserved[i] == 0);
     strncpy(name, stats.device, sizeof name - 1);
     scene_free(&s);
     DESTROY(ctx);
@@ -135,14 +140,21 @@ static void busy(void **state) {
     rng r = {101};
     intruder in[4] = {{0}};
     plain_allocator = (allocator){0};
-    ddof_context *ctx = context_with(&(ddof_config){.threads = 1, .progress = progress_intrudes, .progress_user = &in[0],
-                                                    .log = log_intrudes, .log_user = &in[1], .parallel_for = loop_intrudes,
-                                                    .parallel_user = &in[2], .allocate = allocate_intrudes,
-                                                    .release = allocator_release, .memory_user = &plain_allocator});
+    ddof_context *ctx = context_with(&(ddof_config){.threads = 1,
+                                                    .progress = progress_intrudes,
+                                                    .progress_user = &in[0],
+                                                    .log = log_intrudes,
+                                                    .log_user = &in[1],
+                                                    .parallel_for = loop_intrudes,
+                                                    .parallel_user = &in[2],
+                                                    .allocate = allocate_intrudes,
+                                                    .release = allocator_release,
+                                                    .memory_user = &plain_allocator});
     scene s = scene_fill(100, 100, COC_SMALL, COLOR_RANDOM, &r);
     ddof_frame frame = scene_frame(&s);
     ddof_settings settings = {0};
-    for (int i = 0; i < 4; i++) in[i].ctx = ctx, in[i].frame = &frame;
+    for (int i = 0; i < 4; i++)
+        in[i].ctx = ctx, in[i].frame = &frame;
     allocating = &in[3];
     s.color[7] = NAN; /* for a warning in the log */
     render(ctx, &frame, &settings);
@@ -174,6 +186,8 @@ static int watch(void *user, double done) {
     watcher *w = user;
     if (atomic_fetch_add(&w->inside, 1) != 0) w->overlapped = true;
     const int call = ++w->calls;
+    for (int i = 0; i < 20; i++)
+        sched_yield(); /* others may try to come in */
     if (done < w->last) w->fell = true;
     if (!(done >= 0 && done <= 1)) w->outside = true;
     if (w->stop_at && call > w->stop_at) w->after_stop = true;
@@ -192,8 +206,10 @@ static void assert_watched(const watcher *w) {
 /* value: threads; 0: the reference */
 static ddof_context *watched_context(void **state, watcher *w) {
     const int threads = test_parameters(state).value;
-    return context_with(&(ddof_config){.backend = threads ? DDOF_BACKEND_CPU : DDOF_BACKEND_REFERENCE, .threads = threads,
-                                       .progress = watch, .progress_user = w});
+    return context_with(&(ddof_config){.backend = threads ? DDOF_BACKEND_CPU : DDOF_BACKEND_REFERENCE,
+                                       .threads = threads,
+                                       .progress = watch,
+                                       .progress_user = w});
 }
 
 static void progress(void **state) {
@@ -228,7 +244,8 @@ static void cancel(void **state) {
     scene s = scene_fill(70, 90, COC_RANDOM, COLOR_RANDOM, &r);
     const size_t n = values_of(&s);
     float *want = fenced(n * sizeof *want, true), *coc = fenced(n / 4 * sizeof *coc, true);
-    ddof_frame frame = scene_frame(&s), map = {.coc = frame.coc, .output = ddof_image_interleaved(coc, 70, 90, 1, DDOF_FLOAT, 0)};
+    ddof_frame frame = scene_frame(&s),
+               map = {.coc = frame.coc, .output = ddof_image_interleaved(coc, 70, 90, 1, DDOF_FLOAT, 0)};
     render(ctx, &frame, &settings);
     memcpy(want, s.output, n * sizeof *want);
     for (int k = 1, finished = 0; finished < 2; k++) {
@@ -236,7 +253,8 @@ static void cancel(void **state) {
         finished = 0;
         for (int i = 0; i < 2; i++) {
             w = (watcher){.stop_at = k};
-            ddof_status status = i ? ddof_coc(ctx, &map, &settings, &stats) : ddof_render(ctx, &frame, &settings, &stats);
+            ddof_status status =
+                i ? ddof_coc(ctx, &map, &settings, &stats) : ddof_render(ctx, &frame, &settings, &stats);
             assert_watched(&w);
             if (status == DDOF_OK) {
                 assert_true(w.calls < k);
@@ -319,7 +337,8 @@ static void logging(void **state) {
     memset(logged, 0, sizeof logged);
     render(ctx, &frame, &settings);
     assert_int_equal(logged[DDOF_LOG_ERROR] + logged[DDOF_LOG_WARNING], 0);
-    for (int i = 0; i < 17; i++) s.coc[i] = NAN;
+    for (int i = 0; i < 17; i++)
+        s.coc[i] = NAN;
     render(ctx, &frame, &settings);
     assert_int_equal(logged[DDOF_LOG_WARNING], 1);
     assert_non_null(strstr(last_text, "17"));
@@ -359,8 +378,10 @@ static void lives(void **state) {
     (void)state;
     for (int i = 0; i < 60; i++) {
         ddof_context *ctx = context_with(&(ddof_config){.threads = i % 9});
-        if (i % 2) DESTROY(ctx);
-        else assert_non_null(device_of(&(ddof_config){.threads = 1 + i % 9}));
+        if (i % 2)
+            DESTROY(ctx);
+        else
+            assert_non_null(device_of(&(ddof_config){.threads = 1 + i % 9}));
         DESTROY(ctx);
     }
 }
@@ -379,7 +400,8 @@ static void *work_alone(void *user) {
     for (int i = 0; i < 10; i++) {
         ddof_context *ctx = NULL;
         me->failed |= ddof_create(&ctx, &config) != DDOF_OK;
-        for (int k = 0; k < 3; k++) me->failed |= ddof_render(ctx, &frame, &settings, NULL) != DDOF_OK;
+        for (int k = 0; k < 3; k++)
+            me->failed |= ddof_render(ctx, &frame, &settings, NULL) != DDOF_OK;
         ddof_destroy(&ctx);
     }
     return NULL;
@@ -392,10 +414,12 @@ static void side_by_side(void **state) {
     pthread_t thread[SIDES];
     rng r = {107};
     for (int i = 0; i < SIDES; i++) {
-        sides[i] = (side){scene_fill(150, 60 + 20 * i, COC_RANDOM, COLOR_RANDOM, &r), test_parameters(state).isa, false};
+        sides[i] =
+            (side){scene_fill(150, 60 + 20 * i, COC_RANDOM, COLOR_RANDOM, &r), test_parameters(state).isa, false};
         assert_int_equal(pthread_create(&thread[i], NULL, work_alone, &sides[i]), 0);
     }
-    for (int i = 0; i < SIDES; i++) pthread_join(thread[i], NULL);
+    for (int i = 0; i < SIDES; i++)
+        pthread_join(thread[i], NULL);
     ddof_context *ctx = context_of(test_parameters(state).isa, 1);
     for (int i = 0; i < SIDES; i++) {
         const ddof_settings settings = {.substeps = 2};

@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: 2026 The ddof authors
 # SPDX-License-Identifier: MIT
 #
-# headers.sh INCLUDE C-COMPILER [C++-COMPILER]: every public header compiles alone, strictly, in C17 and in C++17, and so does a
-# program that fills a frame in. In the Test Anything Protocol.
+# headers.sh INCLUDE C-COMPILER [C++-COMPILER]: every public header compiles alone, strictly, in C17 and in C++17, and
+# so does a program that fills a frame in. In the Test Anything Protocol.
 include=$1 c=$2 cxx=$3
 strict='-pedantic-errors -Wall -Wextra -Wshadow -Werror -fsyntax-only'
 count=0

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Every way to call the library wrongly: the status, and a sentence that names the argument; nothing is written, and the context
- * goes on working. */
+/* Every way to call the library wrongly: the status, and a sentence that names the argument; nothing is written, and
+ * the context goes on working. */
 #include "parallel.h"
 #include "support.h"
 
@@ -31,8 +31,10 @@ static request good_request(bool depth) {
 }
 
 static void fill_request_memory(void) {
-    for (int i = 0; i < W * H * 4; i++) color[i] = (float)(i % 7), output[i] = -1;
-    for (int i = 0; i < W * H; i++) map[i] = 1 + 0.1f * (float)i;
+    for (int i = 0; i < W * H * 4; i++)
+        color[i] = (float)(i % 7), output[i] = -1;
+    for (int i = 0; i < W * H; i++)
+        map[i] = 1 + 0.1f * (float)i;
 }
 
 /* One sentence that says `word`. */
@@ -68,7 +70,8 @@ static void assert_refused(ddof_context *ctx, const request *r, const char *word
 static void assert_works(ddof_context *ctx) {
     request r = good_request(true);
     render(ctx, &r.frame, &r.settings);
-    for (int i = 0; i < W * H * 4; i++) output[i] = -1;
+    for (int i = 0; i < W * H * 4; i++)
+        output[i] = -1;
 }
 
 /* ---- one member wrong */
@@ -82,15 +85,24 @@ typedef struct wrong {
     double value;
 } wrong;
 
-#define WRONG(type, member, value, word) {#member " = " #value, word, offsetof(request, member), type, (double)(value)}
+#define WRONG(type, member, value, word)                                                                               \
+    { #member " = " #value, word, offsetof(request, member), type, (double)(value) }
 
 static void set_member(request *r, const wrong *w) {
     char *member = (char *)r + w->offset;
     switch (w->type) {
-    case INT: memcpy(member, &(int){(int)w->value}, sizeof(int)); break;
-    case REAL: memcpy(member, &w->value, sizeof(double)); break;
-    case STRIDE: memcpy(member, &(ptrdiff_t){(ptrdiff_t)w->value}, sizeof(ptrdiff_t)); break;
-    case WORD: memcpy(member, &(uint64_t){(uint64_t)w->value}, sizeof(uint64_t)); break;
+    case INT:
+        memcpy(member, &(int){(int)w->value}, sizeof(int));
+        break;
+    case REAL:
+        memcpy(member, &w->value, sizeof(double));
+        break;
+    case STRIDE:
+        memcpy(member, &(ptrdiff_t){(ptrdiff_t)w->value}, sizeof(ptrdiff_t));
+        break;
+    case WORD:
+        memcpy(member, &(uint64_t){(uint64_t)w->value}, sizeof(uint64_t));
+        break;
     case ADDRESS: { /* moved by so many bytes; 0: NULL */
         char *p;
         memcpy(&p, member, sizeof p);
@@ -364,7 +376,8 @@ static void overlap(void **state) {
     assert_refused(ctx, &r, "overlaps frame.color", "upside down");
     r.frame.output = ddof_image_interleaved(room, W, H, 4, DDOF_FLOAT, 0); /* side by side is fine */
     render(ctx, &r.frame, &r.settings);
-    r.frame.depth = ddof_image_interleaved(room + floats, W, H, 1, DDOF_FLOAT, W * 16); /* and inputs may share memory */
+    r.frame.depth =
+        ddof_image_interleaved(room + floats, W, H, 1, DDOF_FLOAT, W * 16); /* and inputs may share memory */
     render(ctx, &r.frame, &r.settings);
     for (int i = 0; i < 2; i++) {
         r = good_request(i);
@@ -388,9 +401,11 @@ static void enormous(void **state) {
         assert_int_equal(ddof_scratch_bytes(ctx, &r.frame, &r.settings, &bytes), DDOF_OK);
         assert_true(bytes >= (size_t)BIG * BIG * 4);
     }
-    for (int c = 0; c < 4; c++) r.frame.color.plane[c].pixel_stride = (ptrdiff_t)1 << (sizeof(ptrdiff_t) == 8 ? 40 : 28);
+    for (int c = 0; c < 4; c++)
+        r.frame.color.plane[c].pixel_stride = (ptrdiff_t)1 << (sizeof(ptrdiff_t) == 8 ? 40 : 28);
     assert_int_equal(ddof_scratch_bytes(ctx, &r.frame, &r.settings, &bytes), DDOF_ERROR_INVALID);
-    for (int c = 0; c < 4; c++) r.frame.color.plane[c].row_stride = -((ptrdiff_t)1 << (sizeof(ptrdiff_t) == 8 ? 40 : 28));
+    for (int c = 0; c < 4; c++)
+        r.frame.color.plane[c].row_stride = -((ptrdiff_t)1 << (sizeof(ptrdiff_t) == 8 ? 40 : 28));
     (void)ddof_scratch_bytes(ctx, &r.frame, &r.settings, &bytes);
     DESTROY(ctx);
 }

@@ -1,15 +1,17 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What must hold for any picture, as ddof.h guarantees it: constants to 1e-6, the sum to 1e-5 (more where a pixel reaches
- * very far, see support.h), output within the range of the input to 1e-6 of it; and what follows from the mathematics: symmetry, mirrors, linearity, the width of the blur. */
+/* What must hold for any picture, as ddof.h guarantees it: constants to 1e-6, the sum to 1e-5 (more where a pixel
+ * reaches very far, see support.h), output within the range of the input to 1e-6 of it; and what follows from the
+ * mathematics: symmetry, mirrors, linearity, the width of the blur. */
 #include "support.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const int sizes[][2] = {{1, 1}, {1, 50}, {50, 1}, {16, 16}, {67, 33}, {130, 71}, {2000, 3}, {3, 2000}, {8192, 1}, {1, 8192}};
+static const int sizes[][2] = {{1, 1},    {1, 50},   {50, 1},   {16, 16},  {67, 33},
+                               {130, 71}, {2000, 3}, {3, 2000}, {8192, 1}, {1, 8192}};
 
 static size_t values_of(const scene *s) {
     return (size_t)s->width * (size_t)s->height * 4;
@@ -29,8 +31,8 @@ static void for_all(unsigned isa, color_pattern color, uint64_t seed, scene_chec
                 ddof_frame frame = scene_frame(&s);
                 render(ctx, &frame, &settings);
                 char what[80];
-                snprintf(what, sizeof what, "%d x %d, CoC pattern %d, conductance %d, %d substeps", s.width, s.height, coc,
-                         k % 2, settings.substeps);
+                snprintf(what, sizeof what, "%d x %d, CoC pattern %d, conductance %d, %d substeps", s.width, s.height,
+                         coc, k % 2, settings.substeps);
                 check(&s, &settings, what);
                 scene_free(&s);
             }
@@ -48,7 +50,8 @@ static void constant(void **state) {
             for (int k = 0; k < 4; k++) {
                 ddof_settings settings = {.conductance = (ddof_conductance)(k % 2), .substeps = k / 2 * 2};
                 scene s = scene_fill(sizes[i][0], sizes[i][1], (coc_pattern)coc, COLOR_RANDOM, &r);
-                for (size_t v = 0; v < values_of(&s); v++) s.color[v] = value[v % 4];
+                for (size_t v = 0; v < values_of(&s); v++)
+                    s.color[v] = value[v % 4];
                 ddof_frame frame = scene_frame(&s);
                 render(ctx, &frame, &settings);
                 for (size_t v = 0; v < values_of(&s); v++)
@@ -103,7 +106,8 @@ static void range(void **state) {
 
 static double dot(const float *a, const float *b, size_t count) {
     double total = 0;
-    for (size_t i = 0; i < count; i++) total += (double)a[i] * b[i];
+    for (size_t i = 0; i < count; i++)
+        total += (double)a[i] * b[i];
     return total;
 }
 
@@ -191,18 +195,21 @@ static void linear(void **state) {
     for (int i = 0; i < 40; i++) {
         const ddof_settings settings = {.conductance = (ddof_conductance)(i % 2), .substeps = i % 3 + 1};
         const double k = 4 * rng_unit(&r) - 2;
-        scene a = scene_fill(rng_range(&r, 1, 200), rng_range(&r, 1, 200), (coc_pattern)(i % COC_BEYOND), COLOR_SIGNED, &r);
+        scene a =
+            scene_fill(rng_range(&r, 1, 200), rng_range(&r, 1, 200), (coc_pattern)(i % COC_BEYOND), COLOR_SIGNED, &r);
         scene b = scene_fill(a.width, a.height, COC_ZERO, COLOR_SIGNED, &r);
         scene both = scene_make(a.width, a.height, false);
         const size_t n = values_of(&a);
         memcpy(b.coc, a.coc, n / 4 * sizeof(float));
         memcpy(both.coc, a.coc, n / 4 * sizeof(float));
-        for (size_t v = 0; v < n; v++) both.color[v] = (float)(a.color[v] + k * b.color[v]);
+        for (size_t v = 0; v < n; v++)
+            both.color[v] = (float)(a.color[v] + k * b.color[v]);
         ddof_frame frame_a = scene_frame(&a), frame_b = scene_frame(&b), frame = scene_frame(&both);
         render(ctx, &frame_a, &settings);
         render(ctx, &frame_b, &settings);
         render(ctx, &frame, &settings);
-        for (size_t v = 0; v < n; v++) a.output[v] = (float)(a.output[v] + k * b.output[v]);
+        for (size_t v = 0; v < n; v++)
+            a.output[v] = (float)(a.output[v] + k * b.output[v]);
         assert_close(both.output, a.output, n, 5e-6, "%d x %d, CoC pattern %d", a.width, a.height, i % COC_BEYOND);
         scene_free(&a);
         scene_free(&b);
@@ -228,7 +235,8 @@ static void sharp(void **state) {
         scene line = scene_fill(i % 2 ? 301 : 1, i % 2 ? 1 : 301, COC_HUGE, COLOR_RANDOM, &r);
         frame = scene_frame(&line);
         line.coc[150] = 0;
-        for (size_t v = 0; v < values_of(&line); v++) line.color[v] = v / 4 < 150 ? 1.0f : v / 4 == 150 ? 0.5f : 0.0f;
+        for (size_t v = 0; v < values_of(&line); v++)
+            line.color[v] = v / 4 < 150 ? 1.0f : v / 4 == 150 ? 0.5f : 0.0f;
         render(ctx, &frame, &settings);
         assert_close(line.output, line.color, values_of(&line), 1e-6, "a line with a sharp pixel");
         scene_free(&line);
@@ -241,7 +249,8 @@ static double variance(const scene *s, bool across) {
     double total = 0, moment = 0;
     for (int y = 0; y < s->height; y++)
         for (int x = 0; x < s->width; x++) {
-            double v = s->output[((size_t)y * (size_t)s->width + (size_t)x) * 4], d = across ? x - s->width / 2 : y - s->height / 2;
+            double v = s->output[((size_t)y * (size_t)s->width + (size_t)x) * 4],
+                   d = across ? x - s->width / 2 : y - s->height / 2;
             total += v;
             moment += v * d * d;
         }
@@ -260,13 +269,15 @@ static void width(void **state) {
         scene s = scene_fill(241, 301, COC_ZERO, COLOR_RANDOM, &r);
         ddof_frame frame = scene_frame(&s);
         frame.pixel_aspect = aspect;
-        for (size_t v = 0; v < values_of(&s); v++) s.color[v] = 0;
-        for (size_t p = 0; p < values_of(&s) / 4; p++) s.coc[p] = (float)d;
+        for (size_t v = 0; v < values_of(&s); v++)
+            s.color[v] = 0;
+        for (size_t p = 0; p < values_of(&s) / 4; p++)
+            s.coc[p] = (float)d;
         s.color[((size_t)(s.height / 2) * (size_t)s.width + (size_t)(s.width / 2)) * 4] = 1;
         render(ctx, &frame, &settings);
         if (fabs(variance(&s, true) / want - 1) > 1e-3 || fabs(variance(&s, false) / want / aspect / aspect - 1) > 1e-3)
-            fail_msg("conductance %d, %d substeps, aspect %g: variances %.6g, %.6g, not %.6g", classic, settings.substeps,
-                     aspect, variance(&s, true), variance(&s, false), want);
+            fail_msg("conductance %d, %d substeps, aspect %g: variances %.6g, %.6g, not %.6g", classic,
+                     settings.substeps, aspect, variance(&s, true), variance(&s, false), want);
         scene_free(&s);
     }
     DESTROY(ctx);
@@ -281,10 +292,12 @@ static void sign(void **state) {
     const size_t n = values_of(&s);
     float *want = fenced(n * sizeof *want, true);
     ddof_frame frame = scene_frame(&s);
-    for (size_t p = 0; p < n / 4; p += 2) s.coc[p] = (float)rng_unit(&r);
+    for (size_t p = 0; p < n / 4; p += 2)
+        s.coc[p] = (float)rng_unit(&r);
     render(ctx, &frame, &settings);
     memcpy(want, s.output, n * sizeof *want);
-    for (size_t p = 0; p < n / 4; p++) s.coc[p] = -fminf(s.coc[p], 1e5f);
+    for (size_t p = 0; p < n / 4; p++)
+        s.coc[p] = -fminf(s.coc[p], 1e5f);
     render(ctx, &frame, &settings);
     assert_same_bits(s.output, want, n, "negative CoC");
     fenced_free(want);

@@ -31,10 +31,14 @@ static void interleave(stored *s, size_t size, size_t slots, size_t first, size_
 
 static size_t row_bytes(layout arrangement, size_t tight, size_t size) {
     switch (arrangement) {
-    case LAYOUT_ALIGNED: return (tight + 63) / 64 * 64;
-    case LAYOUT_PADDED: return tight + 7 * size;
-    case LAYOUT_OFFSET_16: return (tight + 63) / 64 * 64 + 16;
-    default: return tight;
+    case LAYOUT_ALIGNED:
+        return (tight + 63) / 64 * 64;
+    case LAYOUT_PADDED:
+        return tight + 7 * size;
+    case LAYOUT_OFFSET_16:
+        return (tight + 63) / 64 * 64 + 16;
+    default:
+        return tight;
     }
 }
 
@@ -84,7 +88,8 @@ stored stored_make(layout arrangement, int width, int height, int channels, unsi
     const unsigned all = (1u << channels) - 1;
     const size_t size = (half & all) == all ? 2 : 4, n = (size_t)channels;
     const size_t slots = arrangement == LAYOUT_SPACED ? n + 3 : arrangement == LAYOUT_LAST_APART ? n - 1 : n;
-    const size_t row = row_bytes(arrangement, (size_t)width * slots * size, size), plane = (size_t)width * (size_t)height * size;
+    const size_t row = row_bytes(arrangement, (size_t)width * slots * size, size),
+                 plane = (size_t)width * (size_t)height * size;
     const size_t first = arrangement == LAYOUT_OFFSET || arrangement == LAYOUT_SPACED ? size : 0;
     stored s = {.arrangement = arrangement, .image = {.width = width, .height = height, .channels = channels}};
     s.bytes = arrangement == LAYOUT_PLANAR ? plane * n : row * (size_t)height + first;
@@ -95,11 +100,13 @@ stored stored_make(layout arrangement, int width, int height, int channels, unsi
     if (arrangement == LAYOUT_MIRRORED) turn_pixels(&s);
     if (arrangement == LAYOUT_REVERSED) turn_channels(&s);
     if (arrangement == LAYOUT_ROWS_APART) rows_apart(&s, size);
-    for (int c = 0; c < channels; c++) s.image.plane[c].type = half >> c & 1 ? DDOF_HALF : DDOF_FLOAT;
+    for (int c = 0; c < channels; c++)
+        s.image.plane[c].type = half >> c & 1 ? DDOF_HALF : DDOF_FLOAT;
     if (arrangement == LAYOUT_PLANAR && size == 2) planes(&s, 0, s.memory, plane);
     if (arrangement == LAYOUT_PLANAR && size == 4)
         for (int c = 0; c < channels; c++)
-            s.image.plane[c] = (ddof_plane){s.memory + plane * (size_t)c, s.image.plane[c].type, 4, 4 * (ptrdiff_t)width};
+            s.image.plane[c] =
+                (ddof_plane){s.memory + plane * (size_t)c, s.image.plane[c].type, 4, 4 * (ptrdiff_t)width};
     if (arrangement == LAYOUT_LAST_APART) {
         planes(&s, channels - 1, s.memory + row * (size_t)height, plane);
         s.image.plane[channels - 1].pixel_stride = (ptrdiff_t)size;

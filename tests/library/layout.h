@@ -12,18 +12,18 @@
 #include <ddof/ddof.h>
 
 typedef enum layout {
-    LAYOUT_TIGHT,       /* interleaved, up to the last byte before a trap */
-    LAYOUT_ALIGNED,     /* interleaved, rows on 64 bytes */
-    LAYOUT_PADDED,      /* interleaved, rows an odd number of values apart */
-    LAYOUT_OFFSET,      /* interleaved, one value off any alignment */
-    LAYOUT_OFFSET_16,   /* interleaved, rows on 16 bytes but not on 32 */
-    LAYOUT_BOTTOM_UP,   /* negative row stride */
-    LAYOUT_MIRRORED,    /* negative pixel stride */
-    LAYOUT_SPACED,      /* interleaved among other channels */
-    LAYOUT_REVERSED,    /* ABGR */
-    LAYOUT_PLANAR,      /* an array per channel */
-    LAYOUT_LAST_APART,  /* interleaved but for the last channel, which has its own memory */
-    LAYOUT_ROWS_APART,  /* a row of each channel in turn, as many codecs give them */
+    LAYOUT_TIGHT,      /* interleaved, up to the last byte before a trap */
+    LAYOUT_ALIGNED,    /* interleaved, rows on 64 bytes */
+    LAYOUT_PADDED,     /* interleaved, rows an odd number of values apart */
+    LAYOUT_OFFSET,     /* interleaved, one value off any alignment */
+    LAYOUT_OFFSET_16,  /* interleaved, rows on 16 bytes but not on 32 */
+    LAYOUT_BOTTOM_UP,  /* negative row stride */
+    LAYOUT_MIRRORED,   /* negative pixel stride */
+    LAYOUT_SPACED,     /* interleaved among other channels */
+    LAYOUT_REVERSED,   /* ABGR */
+    LAYOUT_PLANAR,     /* an array per channel */
+    LAYOUT_LAST_APART, /* interleaved but for the last channel, which has its own memory */
+    LAYOUT_ROWS_APART, /* a row of each channel in turn, as many codecs give them */
     LAYOUTS
 } layout;
 

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* ddof_coc() against the formulas of ddof.h, written down once more in double: every kind of depth, both lenses, limits,
- * focus; and what follows from them: crops, proxies, a CoC image handed back. */
+/* ddof_coc() against the formulas of ddof.h, written down once more in double: every kind of depth, both lenses,
+ * limits, focus; and what follows from them: crops, proxies, a CoC image handed back. */
 #include "support.h"
 
 #include <math.h>
@@ -55,13 +55,15 @@ static double model_coc(const ddof_frame *frame, const ddof_lens *lens, double s
     if (lens->kind == DDOF_LENS_ARTIST)
         coc = part > 0 ? lens->max_coc_far * width * part : lens->max_coc_near * width * fmax(part, -1);
     else
-        coc = lens->focal_length / lens->f_number * part * (isinf(s) ? f : f / (s - f)) * width / or_default(lens->sensor_width, 36);
+        coc = lens->focal_length / lens->f_number * part * (isinf(s) ? f : f / (s - f)) * width /
+              or_default(lens->sensor_width, 36);
     if (lens->limit_far > 0) coc = fmin(coc, lens->limit_far * width);
     if (lens->limit_near > 0) coc = fmax(coc, -lens->limit_near * width);
     return fmax(fmin(coc, 1e5), -1e5);
 }
 
-static void assert_coc(const ddof_frame *frame, const ddof_settings *s, double focus, double v, int x, int y, float got) {
+static void assert_coc(const ddof_frame *frame, const ddof_settings *s, double focus, double v, int x, int y,
+                       float got) {
     const inverse_depth d = model_depth(frame, s, v, x, y);
     if (isnan(d.q)) {
         if (!isnan(got)) fail_msg("pixel %d, %d: depth %g has CoC %g, it must be a hole", x, y, v, got);
@@ -72,8 +74,9 @@ static void assert_coc(const ddof_frame *frame, const ddof_settings *s, double f
     const double high = model_coc(frame, &s->lens, focus, d.q + d.rounded);
     const double slack = 2e-6 * (fabs(want) + fabs(far)) + fabs(low - want) + fabs(high - want) + 1e-9;
     if (!(fabs(got - want) <= slack))
-        fail_msg("pixel %d, %d, depth kind %d, lens kind %d, focus %g: value %g (1/z = %g) has CoC %.9g, not %.9g within %.2g", x, y,
-                 s->depth.kind, s->lens.kind, focus, v, d.q, got, want, slack);
+        fail_msg("pixel %d, %d, depth kind %d, lens kind %d, focus %g: value %g (1/z = %g) has CoC %.9g, not %.9g "
+                 "within %.2g",
+                 x, y, s->depth.kind, s->lens.kind, focus, v, d.q, got, want, slack);
 }
 
 /* ---- random cameras */
@@ -84,7 +87,10 @@ static double between(rng *r, double low, double high) {
 
 static ddof_settings some_camera(ddof_lens_kind lens, ddof_depth_kind depth, rng *r) {
     const double unit = (double[]){0, 1, 10, 25.4, 1000}[rng_range(r, 0, 4)], metre = 1000 / or_default(unit, 1000);
-    ddof_settings s = {.lens = {.kind = lens, .focal_length = between(r, 8, 400), .f_number = between(r, 0.7, 32), .unit = unit,
+    ddof_settings s = {.lens = {.kind = lens,
+                                .focal_length = between(r, 8, 400),
+                                .f_number = between(r, 0.7, 32),
+                                .unit = unit,
                                 .focus_distance = metre * between(r, 0.6, 200)},
                        .depth = {.kind = depth}};
     if (rng_bits(r) & 1) s.lens.sensor_width = between(r, 4, 60);
@@ -101,7 +107,8 @@ static ddof_settings some_camera(ddof_lens_kind lens, ddof_depth_kind depth, rng
     const bool white_is_near = rng_bits(r) & 1;
     s.depth.z_at_0 = white_is_near ? far : near;
     s.depth.z_at_1 = white_is_near ? near : far;
-    if (depth == DDOF_DEPTH_DEVICE && rng_bits(r) % 3 == 0) *(white_is_near ? &s.depth.z_at_0 : &s.depth.z_at_1) = INFINITY;
+    if (depth == DDOF_DEPTH_DEVICE && rng_bits(r) % 3 == 0)
+        *(white_is_near ? &s.depth.z_at_0 : &s.depth.z_at_1) = INFINITY;
     return s;
 }
 
@@ -166,7 +173,8 @@ static void cameras(void **state) {
 static void reference_cameras(void **state) {
     (void)state;
     ddof_context *ctx = reference_context();
-    for (int value = 0; value < 10; value++) check_cameras(ctx, (ddof_lens_kind)(value / 5), (ddof_depth_kind)(value % 5));
+    for (int value = 0; value < 10; value++)
+        check_cameras(ctx, (ddof_lens_kind)(value / 5), (ddof_depth_kind)(value % 5));
     DESTROY(ctx);
 }
 
@@ -178,7 +186,8 @@ static void by_hand(void **state) {
     static float depth[N], coc[N];
     ddof_settings s = {.lens = {.focal_length = 50, .f_number = 2, .focus_distance = 2}};
     ddof_frame frame = map_frame(depth, coc, N, 1);
-    for (int i = 0; i < N; i++) depth[i] = 2;
+    for (int i = 0; i < N; i++)
+        depth[i] = 2;
     depth[1] = 4;
     depth[2] = 1;
     depth[3] = INFINITY;
@@ -228,7 +237,8 @@ static void focus_pixel(void **state) {
         }
         const double focus = write_coc(ctx, &frame, &s).focus_distance;
         assert_true(isinf(want) ? isinf(focus) : fabs(focus / want - 1) <= 1e-6 + 2 * d.rounded * want);
-        for (int k = 0; k < PIXELS; k++) assert_coc(&frame, &s, focus, depth[k], k % WIDTH, k / WIDTH, coc[k]);
+        for (int k = 0; k < PIXELS; k++)
+            assert_coc(&frame, &s, focus, depth[k], k % WIDTH, k / WIDTH, coc[k]);
     }
     fenced_free(depth);
     fenced_free(coc);
@@ -282,12 +292,16 @@ static void crop(void **state) {
         float *part = fenced((size_t)(w * h) * sizeof *part, true);
         ddof_frame cut = {.depth = ddof_image_interleaved(depth + y0 * WIDTH + x0, w, h, 1, DDOF_FLOAT, WIDTH * 4),
                           .output = ddof_image_interleaved(part, w, h, 1, DDOF_FLOAT, 0),
-                          .picture_width = WIDTH, .picture_height = HEIGHT, .offset_x = x0, .offset_y = y0};
+                          .picture_width = WIDTH,
+                          .picture_height = HEIGHT,
+                          .offset_x = x0,
+                          .offset_y = y0};
         write_coc(ctx, &cut, &s);
         for (int y = 0; y < h; y++)
             for (int x = 0; x < w; x++)
                 if (!isnan(whole[(y0 + y) * WIDTH + x0 + x]) || !isnan(part[y * w + x]))
-                    assert_same_bits(&part[y * w + x], &whole[(y0 + y) * WIDTH + x0 + x], 1, "depth kind %d at %d, %d", i % 5, x, y);
+                    assert_same_bits(&part[y * w + x], &whole[(y0 + y) * WIDTH + x0 + x], 1, "depth kind %d at %d, %d",
+                                     i % 5, x, y);
         fenced_free(part);
     }
     fenced_free(depth);
@@ -307,9 +321,11 @@ static void proxy(void **state) {
         small.coc[p] = (float)(2 + 4.0 * x / W);
         for (int c = 0; c < 4; c++) {
             small.color[4 * p + c] = (x / 16 + y / 16 + c) % 2 ? 1.0f : 0.1f;
-            for (int k = 0; k < 4; k++) big.color[4 * ((2 * y + k / 2) * W + 2 * x + k % 2) + c] = small.color[4 * p + c];
+            for (int k = 0; k < 4; k++)
+                big.color[4 * ((2 * y + k / 2) * W + 2 * x + k % 2) + c] = small.color[4 * p + c];
         }
-        for (int k = 0; k < 4; k++) big.coc[(2 * y + k / 2) * W + 2 * x + k % 2] = small.coc[p];
+        for (int k = 0; k < 4; k++)
+            big.coc[(2 * y + k / 2) * W + 2 * x + k % 2] = small.coc[p];
     }
     ddof_frame frame = scene_frame(&big), half = scene_frame(&small);
     frame.depth = frame.coc, half.depth = half.coc;

@@ -37,7 +37,8 @@ static ddof_status frame_of(ddof_context *ctx, int i, ddof_stats *stats) {
     ddof_status status = ddof_render(ctx, &frame, &settings, stats);
     if (status == DDOF_OK) {
         stored_get(&half, s.output, 4);
-        for (int v = 0; v < s.width * s.height * 4; v++) assert_true(s.output[v] >= 0 && s.output[v] <= 1);
+        for (int v = 0; v < s.width * s.height * 4; v++)
+            assert_true(s.output[v] >= 0 && s.output[v] <= 1);
     }
     stored_free(&half);
     scene_free(&s);
@@ -50,7 +51,8 @@ static void balance(void **state) {
         allocator a = {0};
         ddof_context *ctx = NULL;
         assert_int_equal(make(&ctx, &a, state, threads), DDOF_OK);
-        for (int i = 0; i < FRAMES; i++) assert_int_equal(frame_of(ctx, i, NULL), DDOF_OK);
+        for (int i = 0; i < FRAMES; i++)
+            assert_int_equal(frame_of(ctx, i, NULL), DDOF_OK);
         assert_true(a.live > 0 && a.calls > 0);
         DESTROY(ctx);
         assert_balanced(&a);
@@ -128,7 +130,8 @@ static void trim(void **state) {
 static void announced(void **state) {
     rng r = {95};
     for (int i = 0; i < 60; i++) {
-        const int channels = rng_range(&r, 1, 4), arrangement = rng_range(&r, 0, channels == 1 ? LAYOUT_REVERSED : LAYOUTS - 1);
+        const int channels = rng_range(&r, 1, 4),
+                  arrangement = rng_range(&r, 0, channels == 1 ? LAYOUT_REVERSED : LAYOUTS - 1);
         ddof_settings settings = {.substeps = i % 3, .lens = {.focal_length = 50, .f_number = 2, .focus_distance = 3}};
         scene s = scene_fill(rng_range(&r, 1, 300), rng_range(&r, 1, 100), COC_SMALL, COLOR_RANDOM, &r);
         stored in = stored_make((layout)arrangement, s.width, s.height, channels, rng_bits(&r) & 15);
@@ -159,10 +162,11 @@ static void announced(void **state) {
     }
 }
 
-/* Large pictures of RGBA float: 4 bytes a pixel and, for each thread, a block of rows: as many as a vector has lanes (16 at
- * most) at 12 floats a pixel, 768 bytes a column. */
+/* Large pictures of RGBA float: 4 bytes a pixel and, for each thread, a block of rows: as many as a vector has lanes
+ * (16 at most) at 12 floats a pixel, 768 bytes a column. */
 static void modest(void **state) {
-    static const int sizes[][2] = {{1920, 1080}, {3840, 2160}, {4099, 2999}, {8192, 8192}, {16384, 1000}, {100, 100000}};
+    static const int sizes[][2] = {{1920, 1080}, {3840, 2160},  {4099, 2999},
+                                   {8192, 8192}, {16384, 1000}, {100, 100000}};
     for (int i = 0; i < COUNT(sizes) * 4; i++) {
         const int threads = (int[]){1, 2, 8, 32}[i % 4];
         const size_t width = (size_t)sizes[i / 4][0], height = (size_t)sizes[i / 4][1];

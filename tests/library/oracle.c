@@ -26,7 +26,8 @@ static void thomas(const line *l) {
         c[i] = ci / m;
         d[i] = (l->g[i] * l->x[i] - (i > 0 ? ai * d[i - 1] : 0)) / m;
     }
-    for (int i = l->n - 1; i >= 0; i--) l->y[i] = d[i] - (i + 1 < l->n ? c[i] * l->y[i + 1] : 0);
+    for (int i = l->n - 1; i >= 0; i--)
+        l->y[i] = d[i] - (i + 1 < l->n ? c[i] * l->y[i + 1] : 0);
     free(c);
     free(d);
 }
@@ -50,7 +51,8 @@ static void network(const line *l) {
     }
     for (int k = 0; k < n; k++) {
         sum[k] = g[k];
-        for (int j = k + 1; j < n; j++) sum[k] += w[k * n + j];
+        for (int j = k + 1; j < n; j++)
+            sum[k] += w[k * n + j];
         for (int i = k + 1; i < n; i++) {
             const long double part = w[i * n + k] / sum[k];
             g[i] += part * g[k];
@@ -60,16 +62,19 @@ static void network(const line *l) {
         }
     }
     for (int k = n - 1; k >= 0; k--) {
-        for (int j = k + 1; j < n; j++) b[k] += w[k * n + j] * b[j];
+        for (int j = k + 1; j < n; j++)
+            b[k] += w[k * n + j] * b[j];
         b[k] /= sum[k];
     }
-    for (int i = 0; i < n; i++) l->y[i] = b[elimination_order(i, n)];
+    for (int i = 0; i < n; i++)
+        l->y[i] = b[elimination_order(i, n)];
     free(w);
     free(g);
 }
 
 static long double conductance(float a, float b, long double scale) {
-    long double p = isfinite(a) ? fabsl((long double)a) : LARGEST_COC, q = isfinite(b) ? fabsl((long double)b) : LARGEST_COC;
+    long double p = isfinite(a) ? fabsl((long double)a) : LARGEST_COC,
+                q = isfinite(b) ? fabsl((long double)b) : LARGEST_COC;
     long double d = fminl(fminl(p, q), LARGEST_COC);
     return fmaxl(scale * d * d, FAINT);
 }
@@ -90,15 +95,18 @@ static void blur_line(const oracle *o, line *l, const bool *hole, long double sc
         network(l);
     else
         thomas(l);
-    for (int i = 0; i < l->n; i++) values[first + i * stride] = l->y[i];
+    for (int i = 0; i < l->n; i++)
+        values[first + i * stride] = l->y[i];
 }
 
 /* Rows fill holes; a row of nothing but holes is left to the columns. */
 static void unfilled_rows(const oracle *o, bool *hole) {
     for (int y = 0; y < o->height; y++) {
         bool all = true;
-        for (int x = 0; x < o->width; x++) all = all && hole[y * o->width + x];
-        for (int x = 0; x < o->width; x++) hole[y * o->width + x] = all;
+        for (int x = 0; x < o->width; x++)
+            all = all && hole[y * o->width + x];
+        for (int x = 0; x < o->width; x++)
+            hole[y * o->width + x] = all;
     }
 }
 
@@ -113,10 +121,12 @@ void oracle_blur(const oracle *o, long double *values) {
         if (hole[i]) values[i] = 0;
     for (int step = 0; step < o->substeps; step++) {
         l.n = o->width;
-        for (int y = 0; y < o->height; y++) blur_line(o, &l, hole, row_scale, y * o->width, 1, values);
+        for (int y = 0; y < o->height; y++)
+            blur_line(o, &l, hole, row_scale, y * o->width, 1, values);
         unfilled_rows(o, hole);
         l.n = o->height;
-        for (int x = 0; x < o->width; x++) blur_line(o, &l, hole, column_scale, x, o->width, values);
+        for (int x = 0; x < o->width; x++)
+            blur_line(o, &l, hole, column_scale, x, o->width, values);
         memset(hole, 0, (size_t)pixels * sizeof *hole);
     }
     free(hole);

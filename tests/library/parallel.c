@@ -7,13 +7,15 @@
 
 int parallel_serial(void *user, int count, ddof_task task, void *task_data) {
     (void)user;
-    for (int i = 0; i < count; i++) task(task_data, i, 0);
+    for (int i = 0; i < count; i++)
+        task(task_data, i, 0);
     return 0;
 }
 
 int parallel_reversed(void *user, int count, ddof_task task, void *task_data) {
     (void)user;
-    for (int i = count - 1; i >= 0; i--) task(task_data, i, PARALLEL_THREADS - 1 - i % PARALLEL_THREADS);
+    for (int i = count - 1; i >= 0; i--)
+        task(task_data, i, PARALLEL_THREADS - 1 - i % PARALLEL_THREADS);
     return 0;
 }
 
@@ -44,8 +46,10 @@ int parallel_threads(void *user, int count, ddof_task task, void *task_data) {
     int started = 0;
     (void)user;
     pthread_mutex_init(&l.lock, NULL);
-    while (started < PARALLEL_THREADS && pthread_create(&thread[started], NULL, run, &l) == 0) started++;
-    for (int i = 0; i < started; i++) pthread_join(thread[i], NULL);
+    while (started < PARALLEL_THREADS && pthread_create(&thread[started], NULL, run, &l) == 0)
+        started++;
+    for (int i = 0; i < started; i++)
+        pthread_join(thread[i], NULL);
     pthread_mutex_destroy(&l.lock);
     return started == 0;
 }

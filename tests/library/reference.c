@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The float64 reference against the oracle. Its output is float, so what is asked of every value is to be the rounding of
- * a number within `tolerance` of the oracle's: of many values, an error much above the tolerance misrounds some. */
+/* The float64 reference against the oracle. Its output is float, so what is asked of every value is to be the rounding
+ * of a number within `tolerance` of the oracle's: of many values, an error much above the tolerance misrounds some. */
 #include "oracle.h"
 #include "support.h"
 
@@ -27,9 +27,11 @@ static void check(ddof_context *ctx, const scene *s, const ddof_settings *settin
     o->coc = s->coc;
     render(ctx, &frame, settings);
     for (int c = 0; c < 4; c++) {
-        for (int i = 0; i < pixels; i++) values[i] = (long double)s->color[4 * i + c];
+        for (int i = 0; i < pixels; i++)
+            values[i] = (long double)s->color[4 * i + c];
         oracle_blur(o, values);
-        for (int i = 0; i < pixels; i++) assert_rounding(s->output[4 * i + c], values[i], tolerance, s, 4 * i + c);
+        for (int i = 0; i < pixels; i++)
+            assert_rounding(s->output[4 * i + c], values[i], tolerance, s, 4 * i + c);
     }
     free(values);
 }
@@ -59,7 +61,8 @@ static void whole_matrix(void **state) {
     for (int i = 0; i < 150; i++) {
         oracle o = {.solver = ORACLE_NETWORK, .aspect = 1};
         ddof_settings settings = {.conductance = (ddof_conductance)(i % 2), .substeps = i % 3 + 1};
-        scene s = scene_fill(rng_range(&r, 1, 24), rng_range(&r, 1, 24), (coc_pattern)(i % COC_BEYOND), COLOR_RANDOM, &r);
+        scene s =
+            scene_fill(rng_range(&r, 1, 24), rng_range(&r, 1, 24), (coc_pattern)(i % COC_BEYOND), COLOR_RANDOM, &r);
         check(ctx, &s, &settings, &o, 2e-12);
         scene_free(&s);
     }
@@ -88,7 +91,8 @@ static void holes(void **state) {
     ddof_context *ctx = reference_context();
     for (int i = 0; i < 200; i++) {
         ddof_settings settings = {.conductance = (ddof_conductance)(i % 2), .substeps = i % 3 + 1};
-        scene s = scene_fill(rng_range(&r, 1, 14), rng_range(&r, 1, 14), (coc_pattern)(i % COC_BEYOND), COLOR_RANDOM, &r);
+        scene s =
+            scene_fill(rng_range(&r, 1, 14), rng_range(&r, 1, 14), (coc_pattern)(i % COC_BEYOND), COLOR_RANDOM, &r);
         bool *hole = calloc((size_t)(s.width * s.height), sizeof *hole);
         oracle o = {.solver = ORACLE_NETWORK, .aspect = 1, .hole = hole};
         const uint32_t rarity = 1u << rng_range(&r, 0, 4);

@@ -85,7 +85,8 @@ static struct {
 void *fenced(size_t bytes, bool at_end) {
     const size_t page = (size_t)sysconf(_SC_PAGESIZE), used = (bytes + page - 1) / page * page;
     int slot = 0;
-    while (slot < MOST_FENCED && fences[slot].memory) slot++;
+    while (slot < MOST_FENCED && fences[slot].memory)
+        slot++;
     assert_true(slot < MOST_FENCED);
     char *map = mmap(NULL, used + 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     assert_true(map != MAP_FAILED);
@@ -124,23 +125,34 @@ void fenced_free(void *memory) {
 static float coc_at(coc_pattern pattern, int x, int y, int width, int height, const int sharp[2], rng *r) {
     const bool column = x == sharp[0], row = y == sharp[1];
     switch (pattern) {
-    case COC_SMALL: return (float)(6 * rng_unit(r) - 3);
-    case COC_RANDOM: return (float)((rng_bits(r) & 1 ? 1 : -1) * pow(10, 7 * rng_unit(r) - 3));
-    case COC_SMOOTH: return (float)(60.0 * (x + 0.5) / width - 30 + 20.0 * y / height);
-    case COC_SPLIT: return x < width / 2 ? 0.0f : 1e4f;
-    case COC_ONE_SHARP: return row && column ? 0.0f : -1e4f;
-    case COC_SHARP_LINES: return row || column ? 0.0f : 1e4f;
-    case COC_ALTERNATING: return (x + y) % 2 ? 1e4f : 0.0f;
-    case COC_HUGE: return 1e4f;
-    case COC_BEYOND: return (float)pow(10, 5 + (rng_bits(r) % 16 == 0 ? 30 : 1) * rng_unit(r));
-    default: return 0;
+    case COC_SMALL:
+        return (float)(6 * rng_unit(r) - 3);
+    case COC_RANDOM:
+        return (float)((rng_bits(r) & 1 ? 1 : -1) * pow(10, 7 * rng_unit(r) - 3));
+    case COC_SMOOTH:
+        return (float)(60.0 * (x + 0.5) / width - 30 + 20.0 * y / height);
+    case COC_SPLIT:
+        return x < width / 2 ? 0.0f : 1e4f;
+    case COC_ONE_SHARP:
+        return row && column ? 0.0f : -1e4f;
+    case COC_SHARP_LINES:
+        return row || column ? 0.0f : 1e4f;
+    case COC_ALTERNATING:
+        return (x + y) % 2 ? 1e4f : 0.0f;
+    case COC_HUGE:
+        return 1e4f;
+    case COC_BEYOND:
+        return (float)pow(10, 5 + (rng_bits(r) % 16 == 0 ? 30 : 1) * rng_unit(r));
+    default:
+        return 0;
     }
 }
 
 void fill_coc(float *coc, int width, int height, coc_pattern pattern, rng *r) {
     const int sharp[2] = {rng_range(r, 0, width - 1), rng_range(r, 0, height - 1)};
     for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) coc[(ptrdiff_t)y * width + x] = coc_at(pattern, x, y, width, height, sharp, r);
+        for (int x = 0; x < width; x++)
+            coc[(ptrdiff_t)y * width + x] = coc_at(pattern, x, y, width, height, sharp, r);
 }
 
 void fill_color(float *rgba, int width, int height, color_pattern pattern, rng *r) {

@@ -49,13 +49,13 @@ typedef struct rng {
 } rng;
 
 uint32_t rng_bits(rng *r);
-double rng_unit(rng *r);                    /* [0, 1) */
+double rng_unit(rng *r);                  /* [0, 1) */
 int rng_range(rng *r, int low, int high); /* both included */
 
 /* ---- memory */
 
-/* `bytes` of memory next to a page that may not be touched: behind the last byte (at_end), or before the first one, which is
- * then aligned to 64 bytes. Filled with 0xa5. Freed by fenced_free(). */
+/* `bytes` of memory next to a page that may not be touched: behind the last byte (at_end), or before the first one,
+ * which is then aligned to 64 bytes. Filled with 0xa5. Freed by fenced_free(). */
 void *fenced(size_t bytes, bool at_end);
 void fenced_free(void *memory);
 
@@ -112,9 +112,9 @@ ddof_stats write_coc(ddof_context *ctx, const ddof_frame *frame, const ddof_sett
 
 /* ---- comparisons */
 
-/* What float32 is allowed to be off in a blur of this scene, as a part of the range: 1e-5 while a pixel reaches no farther than
- * 400 pixels (|CoC| up to 2263, or 400 by the classic convention), beyond that in proportion to the reach. Each substep
- * rounds anew. */
+/* What float32 is allowed to be off in a blur of this scene, as a part of the range: 1e-5 while a pixel reaches no
+ * farther than 400 pixels (|CoC| up to 2263, or 400 by the classic convention), beyond that in proportion to the reach.
+ * Each substep rounds anew. */
 double tolerance_of(const scene *s, const ddof_settings *settings, double aspect);
 
 /* The largest difference of two arrays; NaN where exactly one is not finite. */

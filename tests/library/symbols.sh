@@ -14,11 +14,13 @@ none() { # NAME LIST
     echo "$2" | sed 's/^/#   /'
 }
 
-exported=$("$nm" -D --defined-only "$library" | awk '{sub(/@.*/, "", $NF); print $NF}' | grep -v '^__odr_asan' | sort -u)
+exported=$("$nm" -D --defined-only "$library" | awk '{sub(/@.*/, "", $NF); print $NF}' |
+    grep -v '^__odr_asan' | sort -u)
 declared=$(cat "$include"/ddof/*.h | sed -n 's/^DDOF_API .*[ *]\(ddof_[a-z0-9_]*\)(.*/\1/p' | sort -u)
 lines=$(grep -h -c '^DDOF_API ' "$include"/ddof/*.h | awk '{n += $1} END {print n}')
 
-none 'every declaration is understood' "$([ "$(echo "$declared" | wc -l)" -eq "$lines" ] || echo "$lines declarations, found: $declared")"
+found=$(echo "$declared" | wc -l)
+none 'every declaration is understood' "$([ "$found" -eq "$lines" ] || echo "$found of $lines: $declared")"
 none 'only names that begin with ddof_' "$(echo "$exported" | grep -v '^ddof_')"
 none 'only what a header declares' "$(echo "$exported" | grep '^ddof_' | while read -r name; do
     echo "$declared" | grep -qx "$name" || echo "$name"

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Half and float, one to four channels, alpha: each must be exactly the float RGBA result, rounded, cut or divided. And every
- * half there is, through the conversions of each instruction set. */
+/* Half and float, one to four channels, alpha: each must be exactly the float RGBA result, rounded, cut or divided. And
+ * every half there is, through the conversions of each instruction set. */
 #include "layout.h"
 #include "support.h"
 
@@ -15,7 +15,8 @@ static size_t pixels_of(const scene *s) {
 
 static scene scene_of(int i, rng *r) {
     scene s = scene_fill(rng_range(r, 1, 150), rng_range(r, 1, 70), (coc_pattern)(i % COC_PATTERNS), COLOR_SIGNED, r);
-    for (size_t v = 0; v < 4 * pixels_of(&s); v++) s.color[v] = (float)half_value(half_nearest(s.color[v]));
+    for (size_t v = 0; v < 4 * pixels_of(&s); v++)
+        s.color[v] = (float)half_value(half_nearest(s.color[v]));
     return s;
 }
 
@@ -44,7 +45,8 @@ static void halves(void **state) {
         frame.output = out.image;
         render(ctx, &frame, &settings);
         stored_get(&out, got, 4);
-        assert_same_bits(got, s.output, 4 * pixels_of(&s), "%d x %d, half in %x, out %x", s.width, s.height, half_in, half_out);
+        assert_same_bits(got, s.output, 4 * pixels_of(&s), "%d x %d, half in %x, out %x", s.width, s.height, half_in,
+                         half_out);
         assert_gaps_intact(&out);
         stored_free(&in);
         stored_free(&out);
@@ -63,7 +65,8 @@ static void half_coc(void **state) {
         scene s = scene_fill(rng_range(&r, 1, 150), rng_range(&r, 1, 70), COC_RANDOM, COLOR_RANDOM, &r);
         stored map = stored_make((layout)(i % LAYOUT_PLANAR), s.width, s.height, 1, 1);
         float *want = fenced(4 * pixels_of(&s) * sizeof *want, true);
-        for (size_t p = 0; p < pixels_of(&s); p++) s.coc[p] = (float)half_value(half_nearest(s.coc[p]));
+        for (size_t p = 0; p < pixels_of(&s); p++)
+            s.coc[p] = (float)half_value(half_nearest(s.coc[p]));
         stored_put(&map, s.coc, 1);
         ddof_frame frame = scene_frame(&s);
         render(ctx, &frame, &settings);
@@ -143,7 +146,8 @@ static void straight_alpha(void **state) {
         const size_t n = 4 * pixels_of(&s);
         put_alpha(&s, count, &r);
         if (i % 10 == 9)
-            for (size_t p = 0; p < pixels_of(&s); p++) s.color[4 * p + (size_t)count - 1] = 0;
+            for (size_t p = 0; p < pixels_of(&s); p++)
+                s.color[4 * p + (size_t)count - 1] = 0;
         scale_by_alpha(times.color, s.color, pixels_of(&s), count, false);
         for (size_t v = 0; v < n; v++)
             if ((int)(v % 4) >= count) times.color[v] = 0;
@@ -181,14 +185,16 @@ static void one_straight_colour(void **state) {
         scene s = scene_fill(rng_range(&r, 1, 150), rng_range(&r, 1, 70), COC_SMOOTH, COLOR_RANDOM, &r);
         put_alpha(&s, 4, &r);
         for (size_t v = 0; v < 4 * pixels_of(&s); v++)
-            if (v % 4 < 3) s.color[v] = s.color[v / 4 * 4 + 3] > 0 ? 0.25f + (float)(v % 4) : 1e6f * (float)rng_unit(&r);
+            if (v % 4 < 3)
+                s.color[v] = s.color[v / 4 * 4 + 3] > 0 ? 0.25f + (float)(v % 4) : 1e6f * (float)rng_unit(&r);
         ddof_frame frame = scene_frame(&s);
         frame.color.alpha = DDOF_ALPHA_STRAIGHT;
         render(ctx, &frame, &settings);
         for (size_t v = 0; v < 4 * pixels_of(&s); v++) {
             if (v % 4 == 3 || s.output[v / 4 * 4 + 3] < 1e-12f) continue;
             const float want = 0.25f + (float)(v % 4);
-            assert_close(&s.output[v], &want, 1, 1e-5 * want, "%d x %d, alpha %g", s.width, s.height, s.output[v / 4 * 4 + 3]);
+            assert_close(&s.output[v], &want, 1, 1e-5 * want, "%d x %d, alpha %g", s.width, s.height,
+                         s.output[v / 4 * 4 + 3]);
         }
         scene_free(&s);
     }
@@ -208,7 +214,8 @@ static void all_halves(void **state) {
         stored in = stored_make(i % 2 ? LAYOUT_SPACED : LAYOUT_TIGHT, width, height, 1, 1);
         float *got = fenced(n * sizeof *got, true);
         const ptrdiff_t step = in.image.plane[0].pixel_stride;
-        for (size_t h = 0; h < n; h++) memcpy((char *)in.image.plane[0].data + (ptrdiff_t)h * step, &(uint16_t){(uint16_t)h}, 2);
+        for (size_t h = 0; h < n; h++)
+            memcpy((char *)in.image.plane[0].data + (ptrdiff_t)h * step, &(uint16_t){(uint16_t)h}, 2);
         ddof_frame frame = {.coc = in.image, .output = ddof_image_interleaved(got, width, height, 1, DDOF_FLOAT, 0)};
         write_coc(ctx, &frame, &settings);
         for (size_t h = 0; h < n; h++) {
@@ -224,16 +231,20 @@ static void all_halves(void **state) {
 
 /* Every half, the middle to its neighbour, the float on either side of both, and what has no half. */
 static size_t fill_floats(float *values) {
-    static const float others[] = {65519.996f, 65520, 65536, 1e5f, 3e38f, 1e-30f, 1e-45f, 0x1p-25f, 0x1.000002p-25f, INFINITY, NAN};
+    static const float others[] = {65519.996f, 65520,    65536,           1e5f,     3e38f, 1e-30f,
+                                   1e-45f,     0x1p-25f, 0x1.000002p-25f, INFINITY, NAN};
     size_t n = 0;
     for (uint16_t h = 0; h < 0x7c00; h++) {
         const float low = (float)half_value(h), middle = (float)((half_value(h) + half_value((uint16_t)(h + 1))) / 2);
-        const float nearby[] = {low, nextafterf(low, INFINITY), nextafterf(low, -INFINITY), middle,
-                                nextafterf(middle, INFINITY), nextafterf(middle, -INFINITY)};
-        for (int i = 0; h < 0x7bff && i < COUNT(nearby); i++) values[n++] = nearby[i];
+        const float nearby[] = {low,    nextafterf(low, INFINITY),    nextafterf(low, -INFINITY),
+                                middle, nextafterf(middle, INFINITY), nextafterf(middle, -INFINITY)};
+        for (int i = 0; h < 0x7bff && i < COUNT(nearby); i++)
+            values[n++] = nearby[i];
     }
-    for (int i = 0; i < COUNT(others); i++) values[n++] = others[i];
-    for (size_t i = 0, positive = n; i < positive; i++) values[n++] = -values[i];
+    for (int i = 0; i < COUNT(others); i++)
+        values[n++] = others[i];
+    for (size_t i = 0, positive = n; i < positive; i++)
+        values[n++] = -values[i];
     return n;
 }
 
