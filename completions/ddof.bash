@@ -6,15 +6,15 @@
 _ddof_options() {
     local blur="--layer --depth --depth-kind --near --far --coc --coc-scale --camera --render --focal-length
         --sensor-width --fstop --unit --focus --focus-at --focus-range --max-coc --max-coc-near --max-coc-far"
-    local engine="--threads --backend --cpu"
+    local engine="--threads --backend --cpu" gl="--solver --surface --shared-chain"
     local report="--quiet --json --help"
     case $1 in
-        render) echo "--output $blur --conductance --substeps --preview --exposure $engine $report" ;;
+        render) echo "--output $blur --conductance --substeps --preview --exposure $engine $gl $report" ;;
         coc) echo "--output $blur --exposure $engine $report" ;;
         info) echo "--layer --depth --threads $report" ;;
-        compare) echo "--layer --mask --threads $report" ;;
-        bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --conductance --substeps $engine
-            $report" ;;
+        compare) echo "--output --layer --mask --amplify --invert --threads $report" ;;
+        bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
+            --conductance --substeps $engine $gl $report" ;;
         solvers) echo "--size $report" ;;
     esac
 }
@@ -54,11 +54,14 @@ _ddof_value() {
     case $2 in
         --depth-kind) choices="planar ray inverse normalized device" ;;
         --conductance) choices="matched classic" ;;
-        --backend) choices="auto cpu reference" ;;
+        --backend) choices="auto cpu gl reference" ;;
+        --solver) choices="cr-vanilla cr cr+pack cr4 cr4+pack cr+pcr" ;;
+        --surface) choices="rgba16f rgba32f" ;;
+        --format) choices="markdown csv json" ;;
         --cpu) choices="all baseline avx2 avx512 neon" ;;
         --type) choices="float half" ;;
         --layout) choices="interleaved planar" ;;
-        --size) choices="1280x720 1920x1080 3840x2160" ;;
+        --size) choices="1280x720 1600x1200 1920x1080 3840x2160" ;;
         --camera) _ddof_files 'json' "$3"; return 0 ;;
         --preview) _ddof_files 'png' "$3"; return 0 ;;
         -o | --output | --mask) _ddof_files "$pictures" "$3"; return 0 ;;
@@ -70,7 +73,7 @@ _ddof_value() {
             ;;
         --layer | --near | --far | --coc-scale | --render | --focal-length | --sensor-width | --fstop | --unit | --focus | \
             --focus-at | --focus-range | --max-coc | --max-coc-near | --max-coc-far | --runs | --channels | --substeps | \
-            --exposure | --threads) return 0 ;;
+            --amplify | --exposure | --threads) return 0 ;;
         *) return 1 ;;
     esac
     mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$3")

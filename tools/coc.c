@@ -163,15 +163,16 @@ int command_coc(const options *o) {
     job j;
     session s = {0};
     io_format format;
-    unsigned mask;
     int status = output_check(OPT_OUTPUT, option_text(o, OPT_OUTPUT), &format);
-    if (status == 0) status = cpu_mask_of_options(o, &mask);
+    if (status == 0) status = session_open(&s, o);
     if (status == 0) status = job_open(&j, o, NULL);
-    if (status) return status;
+    if (status) {
+        session_close(&s);
+        return status;
+    }
     float *coc = malloc((size_t)j.frame.color.width * (size_t)j.frame.color.height * sizeof(float));
     if (!coc)
         status = fail("%s: out of memory for %dx%d pixels", o->file[0], j.frame.color.width, j.frame.color.height);
-    if (status == 0) status = session_open(&s, o);
     if (status == 0) status = work(&j, o, &s, format, coc);
     free(coc);
     session_close(&s);

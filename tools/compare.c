@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "difference.h"
 #include "json.h"
 #include "message.h"
 #include "metrics.h"
@@ -161,6 +162,7 @@ static int report_json(const comparison *c, const options *o) {
     cJSON *object = cJSON_CreateObject();
     json_text(object, "a", o->file[0]);
     json_text(object, "b", o->file[1]);
+    if (option_given(o, OPT_OUTPUT)) json_text(object, "output", option_text(o, OPT_OUTPUT));
     add_result(object, &c->region[0].result);
     if (c->regions > 1) {
         cJSON *list = cJSON_CreateArray();
@@ -191,13 +193,16 @@ int command_compare(const options *o) {
     side a = {0}, b = {0};
     unsigned char *inside = NULL;
     comparison found = {0};
-    int status = side_open(&a, o, o->file[0], &reading);
+    int status = difference_check(o);
+    if (status == 0) status = side_open(&a, o, o->file[0], &reading);
     if (status == 0) status = side_open(&b, o, o->file[1], &reading);
     if (status == 0) status = check_same_grid(&a, &b);
     if (status == 0 && option_given(o, OPT_MASK)) status = read_mask(&inside, option_text(o, OPT_MASK), &a, &reading);
     if (status == 0) status = side_read(&a);
     if (status == 0) status = side_read(&b);
     if (status == 0) status = measure(&found, &a, &b, inside);
+    if (status == 0 && option_given(o, OPT_OUTPUT))
+        status = difference_write(o, &a.picture->part[a.color.part], a.rgb, b.rgb, &reading);
     if (status == 0 && option_given(o, OPT_JSON))
         status = report_json(&found, o);
     else if (status == 0 && !option_given(o, OPT_QUIET))

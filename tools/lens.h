@@ -17,7 +17,7 @@ int lens_check_options(const options *o);
  * Returns 0 or an exit code. */
 int lens_settings(ddof_settings *settings, const options *o, const camera *file, int picture_width);
 
-/* Conductance and substeps. */
+/* Conductance, substeps, and how the GL backend solves. */
 void method_settings(ddof_settings *settings, const options *o);
 
 /* One line for people: "85 mm f/2, focus 4", into text. `focus`: what the library focused on. */

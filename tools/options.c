@@ -306,8 +306,7 @@ int options_parse(options *parsed, command_id command, int count, char *const *a
         return fail_usage("%s: the picture's file name is missing; usage: ddof %s %s", missing, spec->name,
                           spec->arguments);
     }
-    bool writes = option_table[OPT_OUTPUT].commands & 1u << command;
-    if (writes && !option_given(parsed, OPT_OUTPUT))
+    if (spec->writes && !option_given(parsed, OPT_OUTPUT))
         return fail_usage("--output: missing; say where the result goes, like -o %s", option_table[OPT_OUTPUT].example);
     return 0;
 }

@@ -41,6 +41,8 @@ typedef enum option_id {
     OPT_MAX_COC_NEAR,
     OPT_MAX_COC_FAR,
     OPT_MASK,
+    OPT_AMPLIFY,
+    OPT_INVERT,
     OPT_SIZE,
     OPT_RUNS,
     OPT_TYPE,
@@ -49,12 +51,18 @@ typedef enum option_id {
     OPT_IN_PLACE,
     OPT_BENCH_COC,
     OPT_BENCH_DEPTH,
+    OPT_TABLE,
+    OPT_FORMAT,
+    OPT_REFERENCE,
     OPT_CONDUCTANCE,
     OPT_SUBSTEPS,
     OPT_PREVIEW,
     OPT_EXPOSURE,
     OPT_THREADS,
     OPT_BACKEND,
+    OPT_SOLVER,
+    OPT_SURFACE,
+    OPT_SHARED_CHAIN,
     OPT_CPU,
     OPT_QUIET,
     OPT_JSON,
@@ -91,6 +99,7 @@ typedef struct option_spec {
 typedef struct command_spec {
     const char *name;
     int files;             /* how many file names it takes */
+    bool writes;           /* --output is required */
     const char *arguments; /* for the usage line */
     const char *summary;
     const char *examples; /* whole lines */

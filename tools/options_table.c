@@ -19,7 +19,7 @@ enum {
 /* clang-format off */
 const option_spec option_table[OPT_COUNT] = {
     [OPT_OUTPUT] = {"output", 'o', KIND_TEXT, "FILE", "out.exr",
-        "the picture to write: .exr .png .tif .tiff .pfm", R | C, 0, 0, 0, NULL},
+        "the picture to write: .exr .png .tif .tiff .pfm; compare: of the difference, .png .exr", R | C | M, 0, 0, 0, NULL},
     [OPT_LAYER] = {"layer", 0, KIND_TEXT, "NAME", "beauty",
         "colour layer or part (default: R G B A, then the first layer that has them)", R | C | I | M, 0, 0, 0, NULL},
 
@@ -65,11 +65,15 @@ const option_spec option_table[OPT_COUNT] = {
 
     [OPT_MASK] = {"mask", 0, KIND_TEXT, "FILE", "mask.png",
         "also measure inside (values of 0.5 and more) and outside of this mask", M, 0, 0, 0, NULL},
+    [OPT_AMPLIFY] = {"amplify", 0, KIND_NUMBER, "N", "255",
+        "the picture of --output is |A - B| times N, no tone map or sRGB curve (default 255)", M, 0, 1e6, true, NULL},
+    [OPT_INVERT] = {"invert", 0, KIND_FLAG, NULL, NULL,
+        "the picture of --output is 1 - that: white where A and B agree", M, 0, 0, 0, NULL},
 
     [OPT_SIZE] = {"size", 0, KIND_SIZE, "WxH", "1920x1080",
-        "picture size, pixels (default 1920x1080; solvers: 1600x1200)", B | S, 1, 1 << 20, false, NULL},
+        "picture size, pixels (default 1920x1080; solvers: 1600x1200; --table: the four published ones)", B | S, 1, 1 << 20, false, NULL},
     [OPT_RUNS] = {"runs", 0, KIND_INTEGER, "N", "31",
-        "timed repetitions (default 31)", B, 1, 100000, false, NULL},
+        "timed repetitions (default 31; --table: 11)", B, 1, 100000, false, NULL},
     [OPT_TYPE] = {"type", 0, KIND_CHOICE, "TYPE", "float",
         "float|half: type of the picture's channels (default float)", B, 0, 0, 0, "float|half"},
     [OPT_LAYOUT] = {"layout", 0, KIND_CHOICE, "LAYOUT", "planar",
@@ -82,6 +86,12 @@ const option_spec option_table[OPT_COUNT] = {
         "largest CoC of the made-up picture, pixels (default 48)", B, 0, 1e5, false, NULL},
     [OPT_BENCH_DEPTH] = {"depth", 0, KIND_FLAG, NULL, NULL,
         "give depth and a lens instead of a CoC image", B, 0, 0, 0, NULL},
+    [OPT_TABLE] = {"table", 0, KIND_FLAG, NULL, NULL,
+        "every solver at the sizes of the published table: time and memory, beside the published figures", B, 0, 0, 0, NULL},
+    [OPT_FORMAT] = {"format", 0, KIND_CHOICE, "FORMAT", "csv",
+        "markdown|csv|json: how --table is printed (default markdown)", B, 0, 0, 0, "markdown|csv|json"},
+    [OPT_REFERENCE] = {"reference", 0, KIND_FLAG, NULL, NULL,
+        "--table: time the float64 reference too, which is slow", B, 0, 0, 0, NULL},
 
     [OPT_CONDUCTANCE] = {"conductance", 0, KIND_CHOICE, "LAW", "matched",
         "matched: as wide as the lens's disc; classic: beta = CoC squared, wider (default matched)", R | B, 0, 0, 0,
@@ -96,7 +106,15 @@ const option_spec option_table[OPT_COUNT] = {
     [OPT_THREADS] = {"threads", 0, KIND_INTEGER, "N", "4",
         "threads, 0 to 256; results do not depend on it (default 0: all there are)", ALL & ~S, 0, 256, false, NULL},
     [OPT_BACKEND] = {"backend", 0, KIND_CHOICE, "NAME", "cpu",
-        "auto|cpu|reference: what does the work (default auto)", R | C | B, 0, 0, 0, "auto|cpu|reference"},
+        "auto|cpu|gl|reference: what does the work; auto is cpu (default auto)", R | C | B, 0, 0, 0,
+        "auto|cpu|gl|reference"},
+    [OPT_SOLVER] = {"solver", 0, KIND_CHOICE, "NAME", "cr4",
+        "cr-vanilla|cr|cr+pack|cr4|cr4+pack|cr+pcr: how --backend gl solves (default cr4+pack)", R | B, 0, 0, 0,
+        "cr-vanilla|cr|cr+pack|cr4|cr4+pack|cr+pcr"},
+    [OPT_SURFACE] = {"surface", 0, KIND_CHOICE, "FORMAT", "rgba32f",
+        "rgba16f|rgba32f: colour under way with --backend gl (default rgba16f)", R | B, 0, 0, 0, "rgba16f|rgba32f"},
+    [OPT_SHARED_CHAIN] = {"shared-chain", 0, KIND_FLAG, NULL, NULL,
+        "--backend gl: columns are solved in the surfaces of the rows, for less memory", R | B, 0, 0, 0, NULL},
     [OPT_CPU] = {"cpu", 0, KIND_CPUS, "LIST", "baseline,avx2",
         "allowed instruction sets of all|baseline|avx2|avx512|neon, by commas (default all)", R | C | B, 0, 0, 0,
         "baseline|avx2|avx512|neon|all"},
@@ -111,30 +129,35 @@ const option_spec option_table[OPT_COUNT] = {
 
 const command_spec command_table[COMMAND_COUNT] = {
     [COMMAND_RENDER] =
-        {"render", 1, "IN -o OUT", "give a picture the depth of field of a lens",
+        {"render", 1, true, "IN -o OUT", "give a picture the depth of field of a lens",
          "  ddof render shot.exr -o out.exr --fstop 2.8 --focal-length 85 --focus 3.2\n"
          "  ddof render shot.exr -o out.exr --fstop 1.4 --focus-at 960,540 --preview before_after.png\n"
          "  ddof render photo.png -o out.png --depth depth.png --depth-kind device --near 50 --far 0.4 \\\n"
          "       --focus 2 --max-coc 2%\n"
          "  ddof render pinhole.exr -o out.exr --camera scene.json --render dof_f2.exr --json\n"
-         "  ddof render shot.exr -o out.exr --coc radius.exr:blur --coc-scale 2\n"},
-    [COMMAND_COC] = {"coc", 1, "IN -o OUT",
+         "  ddof render shot.exr -o out.exr --coc radius.exr:blur --coc-scale 2\n"
+         "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend gl --solver cr4+pack\n"},
+    [COMMAND_COC] = {"coc", 1, true, "IN -o OUT",
                      "write the signed circle of confusion (EXR, PFM, TIFF), or show it in false colour (PNG)",
                      "  ddof coc shot.exr -o coc.exr --fstop 2.8 --focal-length 85 --focus 3.2\n"
                      "  ddof coc shot.exr -o coc.png --camera scene.json\n"
                      "  ddof coc shot.exr -o coc.pfm --focus-at 50%,50% --max-coc-near 10 --max-coc-far 30\n"},
-    [COMMAND_INFO] = {"info", 1, "IN", "what is in a picture, and what would be used as colour and depth",
+    [COMMAND_INFO] = {"info", 1, false, "IN", "what is in a picture, and what would be used as colour and depth",
                       "  ddof info shot.exr\n"
                       "  ddof info shot.exr --layer beauty --depth aovs.exr:depth.Z\n"
                       "  ddof info shot.exr --json\n"},
-    [COMMAND_COMPARE] = {"compare", 2, "A B", "how far two pictures are apart: PSNR, SSIM, largest error",
+    [COMMAND_COMPARE] = {"compare", 2, false, "A B", "how far two pictures are apart: PSNR, SSIM, largest error",
                          "  ddof compare out.exr truth.exr\n"
-                         "  ddof compare out.exr truth.exr --mask subject.png --json\n"},
-    [COMMAND_BENCH] = {"bench", 0, "", "time the solve on a made-up picture, next to a copy of it in memory",
+                         "  ddof compare out.exr truth.exr --mask subject.png --json\n"
+                         "  ddof compare packed.exr unpacked.exr --amplify 255 --invert -o difference.png\n"},
+    [COMMAND_BENCH] = {"bench", 0, false, "", "time the solve on a made-up picture, next to a copy of it in memory",
                        "  ddof bench --size 3840x2160 --threads 1\n"
                        "  ddof bench --type half --layout planar --in-place\n"
-                       "  ddof bench --coc 1000 --cpu avx2 --json\n"},
-    [COMMAND_SOLVERS] = {"solvers", 0, "", "the tridiagonal solvers of the literature: steps, operations, memory",
+                       "  ddof bench --coc 1000 --cpu avx2 --json\n"
+                       "  ddof bench --table --backend gl --format csv\n"
+                       "  ddof bench --backend gl --solver cr --surface rgba32f --size 1600x1200\n"},
+    [COMMAND_SOLVERS] = {"solvers", 0, false, "",
+                         "the tridiagonal solvers of the literature: steps, operations, memory",
                          "  ddof solvers\n"
                          "  ddof solvers --size 2560x1600 --json\n"},
 };

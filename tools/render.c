@@ -64,7 +64,7 @@ static int preview_end(io_picture *preview, const job *j, const options *o, timi
 
 /* ------------------------------------------------------------------------- report */
 
-static void report_human(const job *j, const options *o, const report *r, double total) {
+static void report_human(const job *j, const options *o, const session *s, const report *r, double total) {
     char lens[128] = "CoC from --coc", range[64] = "", extra[96] = "";
     if (!j->frame.coc.channels)
         lens_describe(lens, sizeof lens, &j->settings, r->stats.focus_distance, j->frame.picture_width);
@@ -74,6 +74,10 @@ static void report_human(const job *j, const options *o, const report *r, double
            range);
     printf("solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
            r->stats.device, r->stats.threads, r->stats.threads == 1 ? "" : "s", j->decode_ms, r->time.encode, total);
+    if (s->backend == DDOF_BACKEND_GL)
+        printf("gl: %s%s, %s, %.1f bytes of surfaces per pixel\n", solver_name(j->settings.solver),
+               j->settings.shared_chain ? ", shared chain" : "", surface_name(j->settings.surface),
+               (double)r->stats.surface_bytes / ((double)j->frame.color.width * j->frame.color.height));
     if (option_given(o, OPT_PREVIEW)) printf("%s: before and after\n", option_text(o, OPT_PREVIEW));
 }
 
@@ -85,7 +89,7 @@ static int report_json(const job *j, const options *o, const session *s, const r
     json_integer(object, "width", j->frame.color.width);
     json_integer(object, "height", j->frame.color.height);
     json_integer(object, "channels", j->frame.color.channels);
-    json_text(object, "backend", s->backend);
+    json_text(object, "backend", session_backend_name(s));
     json_text(object, "device", r->stats.device);
     json_integer(object, "threads", r->stats.threads);
     json_number(object, "solve_ms", r->time.solve);
@@ -101,6 +105,7 @@ static int report_json(const job *j, const options *o, const session *s, const r
     if (*j->file.entry) json_text(object, "camera_render", j->file.entry);
     json_integer(object, "scratch_bytes", (double)r->stats.scratch_bytes);
     json_integer(object, "peak_rss_bytes", (double)peak_rss_bytes());
+    session_add_gl(s, object, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
     return json_finish(object);
 }
 
@@ -171,19 +176,20 @@ int command_render(const options *o, double start) {
     io_format format;
     int status = check_outputs(o, &format);
     if (status) return status;
-    unsigned mask;
-    status = cpu_mask_of_options(o, &mask); /* before minutes of decoding */
-    if (status == 0) status = job_open(&j, o, &format);
-    if (status) return status;
     const double begin = now_ms();
-    status = session_open(&s, o);
+    status = session_open(&s, o); /* what cannot be had is said before minutes of decoding */
     r.time.prepare = now_ms() - begin;
-    if (status == 0) status = work(&j, o, &s, format, &r);
+    if (status == 0) status = job_open(&j, o, &format);
+    if (status) {
+        session_close(&s);
+        return status;
+    }
+    status = work(&j, o, &s, format, &r);
     const double total = now_ms() - start;
     if (status == 0 && option_given(o, OPT_JSON))
         status = report_json(&j, o, &s, &r, total);
     else if (status == 0 && !option_given(o, OPT_QUIET)) {
-        report_human(&j, o, &r, total);
+        report_human(&j, o, &s, &r, total);
         status = finish_output();
     }
     session_close(&s);

@@ -63,7 +63,8 @@ static const unsigned cpu_bit[] = {DDOF_CPU_BASELINE, DDOF_CPU_AVX2, DDOF_CPU_AV
 static const char *const cpu_word[] = {"baseline", "avx2", "avx512", "neon"};
 enum { CPU_WORDS = 4 };
 
-int cpu_mask_of_options(const options *o, unsigned *mask) {
+/* The mask of --cpu, checked against this machine; 0: all. Returns 0 or an exit code. */
+static int cpu_mask_of_options(const options *o, unsigned *mask) {
     *mask = 0;
     unsigned words = (unsigned)option_number(o, OPT_CPU, 1u << CPU_WORDS);
     if (words & 1u << CPU_WORDS) return 0; /* "all" */
@@ -82,24 +83,68 @@ int cpu_mask_of_options(const options *o, unsigned *mask) {
     return 0;
 }
 
+/* In the order of the words of --backend. */
+static const ddof_backend backends[] = {DDOF_BACKEND_AUTO, DDOF_BACKEND_CPU, DDOF_BACKEND_GL, DDOF_BACKEND_REFERENCE};
+
+ddof_backend backend_of_options(const options *o) {
+    const ddof_backend asked = backends[(int)option_number(o, OPT_BACKEND, 0)];
+    return asked == DDOF_BACKEND_AUTO ? DDOF_BACKEND_CPU : asked;
+}
+
+const char *session_backend_name(const session *s) {
+    return s->backend == DDOF_BACKEND_GL ? "gl" : s->backend == DDOF_BACKEND_REFERENCE ? "reference" : "cpu";
+}
+
+const char *solver_name(ddof_solver solver) {
+    static const char *const names[] = {"cr4+pack", "cr-vanilla", "cr", "cr+pack", "cr4", "cr4+pack", "cr+pcr"};
+    return names[solver];
+}
+
+const char *surface_name(ddof_surface surface) {
+    return surface == DDOF_SURFACE_RGBA32F ? "rgba32f" : "rgba16f";
+}
+
+void session_add_gl(const session *s, cJSON *object, const ddof_settings *settings, const ddof_stats *stats,
+                    double pixels) {
+    if (s->backend != DDOF_BACKEND_GL) return;
+    json_text(object, "solver", solver_name(settings->solver));
+    json_text(object, "surface", surface_name(settings->surface));
+    cJSON_AddBoolToObject(object, "shared_chain", settings->shared_chain);
+    json_integer(object, "surface_bytes", (double)stats->surface_bytes);
+    json_number(object, "surface_bytes_per_pixel", (double)stats->surface_bytes / pixels);
+}
+
+static int check_gl_options(const options *o, ddof_backend backend) {
+    static const option_id only_gl[] = {OPT_SOLVER, OPT_SURFACE, OPT_SHARED_CHAIN};
+    for (size_t i = 0; i < sizeof only_gl / sizeof *only_gl; i++)
+        if (option_given(o, only_gl[i]) && backend != DDOF_BACKEND_GL)
+            return fail_usage("--%s: belongs to the GL backend; add --backend gl", option_table[only_gl[i]].name);
+    return 0;
+}
+
 int session_open(session *s, const options *o) {
-    static const char *const names[] = {"auto", "cpu", "reference"};
-    *s = (session){.progress = !option_given(o, OPT_QUIET)};
+    const ddof_backend backend = backend_of_options(o);
+    int status = check_gl_options(o, backend);
+    return status ? status : session_open_as(s, o, backend);
+}
+
+int session_open_as(session *s, const options *o, ddof_backend backend) {
+    *s = (session){.progress = !option_given(o, OPT_QUIET), .backend = backend};
     ddof_config config = {
-        .backend = (ddof_backend)option_number(o, OPT_BACKEND, DDOF_BACKEND_AUTO),
+        .backend = backend,
         .threads = (int)option_number(o, OPT_THREADS, 0),
         .log = on_log,
         .log_user = s,
         .progress = on_progress,
         .progress_user = s,
     };
-    s->backend = names[config.backend];
     int status = cpu_mask_of_options(o, &config.cpu_mask);
     if (status) return status;
     ddof_status made = ddof_create(&s->context, &config);
     if (made == DDOF_OK) return 0;
-    return fail("--backend: %s: %s; try --backend cpu --threads 1", s->backend,
-                *s->error ? s->error : ddof_status_text(made));
+    const char *why = *s->error ? s->error : ddof_status_text(made);
+    if (backend == DDOF_BACKEND_GL) return fail("--backend gl: %s; use --backend cpu", why);
+    return fail("--backend: %s: %s; try --backend cpu --threads 1", session_backend_name(s), why);
 }
 
 void session_note(session *s, const char *about) {

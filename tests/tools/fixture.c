@@ -3,12 +3,21 @@
 
 /* Makes and inspects the small pictures that the tests of the command need.
  *
- *   fixture make FILE WIDTH HEIGHT half|float BITS [window=X,Y,W,H] NAME=PATTERN[@X,Y=VALUE]...
- *           PATTERN: a number, ramp:A:B (along x), down:A:B (along y), noise; window: the data window is WIDTH x HEIGHT
- * at X,Y of a display window of W x H fixture value FILE CHANNEL X Y      one value fixture range FILE CHANNEL smallest
- * and largest value fixture same A B CHANNEL            succeeds when all values have the same bits fixture header FILE
- * WIDTH HEIGHT    the header of an EXR file without any pixels fixture json KEY... < TEXT          values of an
- * object's members ("a.b" goes down), one a line; fails when one is not there
+ * fixture make FILE WIDTH HEIGHT half|float BITS [window=X,Y,W,H] NAME=PATTERN[@X,Y=VALUE]...
+ *     PATTERN: a number, ramp:A:B (along x), down:A:B (along y), noise
+ *     window: the data window is WIDTH x HEIGHT at X,Y of a display window of W x H
+ *
+ * fixture value FILE CHANNEL X Y: one value
+ *
+ * fixture data FILE CHANNEL X Y: the same, of a file that holds no colour (integers are not decoded)
+ *
+ * fixture range FILE CHANNEL: smallest and largest value
+ *
+ * fixture same A B CHANNEL: succeeds when all values have the same bits
+ *
+ * fixture header FILE WIDTH HEIGHT: the header of an EXR file without any pixels
+ *
+ * fixture json KEY... < TEXT: values of an object's members ("a.b" goes down), one a line; fails when one is not there
  */
 #include <cjson/cJSON.h>
 #include <picture.h>
@@ -87,9 +96,9 @@ static int make(int count, char **word) {
     return 0;
 }
 
-static io_channel *load(io_picture **picture, const char *path, const char *name) {
+static io_channel *load(io_picture **picture, const char *path, const char *name, io_meaning meaning) {
     io_error error = {0};
-    if (io_open(picture, path, IO_COLOR, NULL, &error) || io_read(*picture, &error)) die("read", error.text);
+    if (io_open(picture, path, meaning, NULL, &error) || io_read(*picture, &error)) die("read", error.text);
     for (int p = 0; p < (*picture)->part_count; p++)
         for (int c = 0; c < (*picture)->part[p].channel_count; c++)
             if (strcmp((*picture)->part[p].channel[c].name, name) == 0) return &(*picture)->part[p].channel[c];
@@ -104,10 +113,10 @@ static float *values(const io_channel *channel) {
     return value;
 }
 
-static int look(int count, char **word, bool range) {
+static int look(int count, char **word, bool range, io_meaning meaning) {
     if (count < (range ? 2 : 4)) die("value, range", "too few arguments");
     io_picture *picture = NULL;
-    const io_channel *channel = load(&picture, word[0], word[1]);
+    const io_channel *channel = load(&picture, word[0], word[1], meaning);
     float *value = values(channel);
     if (range) {
         float low = value[0], high = value[0];
@@ -127,7 +136,7 @@ static int look(int count, char **word, bool range) {
 static int same(int count, char **word) {
     if (count < 3) die("same", "too few arguments");
     io_picture *a = NULL, *b = NULL;
-    const io_channel *p = load(&a, word[0], word[2]), *q = load(&b, word[1], word[2]);
+    const io_channel *p = load(&a, word[0], word[2], IO_COLOR), *q = load(&b, word[1], word[2], IO_COLOR);
     bool equal = p->width == q->width && p->height == q->height && p->type == q->type &&
                  memcmp(p->data, q->data, (size_t)p->width * (size_t)p->height * io_type_size(p->type)) == 0;
     io_close(&a);
@@ -213,8 +222,9 @@ int main(int count, char **word) {
     count -= 2;
     word += 2;
     if (strcmp(what, "make") == 0) return make(count, word);
-    if (strcmp(what, "value") == 0) return look(count, word, false);
-    if (strcmp(what, "range") == 0) return look(count, word, true);
+    if (strcmp(what, "value") == 0) return look(count, word, false, IO_COLOR);
+    if (strcmp(what, "data") == 0) return look(count, word, false, IO_DATA);
+    if (strcmp(what, "range") == 0) return look(count, word, true, IO_COLOR);
     if (strcmp(what, "same") == 0) return same(count, word);
     if (strcmp(what, "header") == 0) return header(count, word);
     if (strcmp(what, "json") == 0) return json(count, word);

@@ -89,7 +89,12 @@ bad focus-at -1,3 'out of range'
 bad focus-at 50%,101% 'out of range; the picture ends at 100%'
 bad depth-kind plane 'none of planar\|ray'
 bad conductance new 'none of matched\|classic'
-bad backend gpu 'none of auto\|cpu\|reference'
+bad backend gpu 'none of auto\|cpu\|gl\|reference'
+bad solver cr5 'none of cr-vanilla\|cr\|cr\+pack'
+bad surface rgba8 'none of rgba16f\|rgba32f'
+for value in 0 -1 1e7 nan x; do
+    refuses "compare --amplify $value" 2 '--amplify: .*(out of range|not a number)' "$DDOF" compare "$in" "$in" -o "$work/o/d.png" --amplify=$value
+done
 bad cpu sse 'none of baseline'
 bad cpu avx2,,neon 'none of baseline'
 for value in 0 65 1.5 x; do bad substeps $value '(out of range|whole number)'; done
@@ -104,6 +109,7 @@ refuses "bench --channels 5" 2 '--channels: 5 is out of range' "$DDOF" bench --c
 refuses "bench --runs 0" 2 '--runs: 0 is out of range' "$DDOF" bench --runs 0
 refuses "bench --type double" 2 "--type: 'double' is none of float\|half" "$DDOF" bench --type double
 refuses "bench --layout tiled" 2 "--layout: 'tiled' is none of" "$DDOF" bench --layout tiled
+refuses "bench --format text" 2 "--format: 'text' is none of markdown\|csv\|json" "$DDOF" bench --table --format text
 refuses "bench --coc -1" 2 '--coc: -1 is out of range' "$DDOF" bench --coc -1
 refuses "bench too large for this machine" 2 '--size: .*make it smaller' "$DDOF" bench --size 1048576x1048576
 
