@@ -86,6 +86,19 @@ static int cpu_mask_of_options(const options *o, unsigned *mask) {
 /* In the order of the words of --backend. */
 static const ddof_backend backends[] = {DDOF_BACKEND_AUTO, DDOF_BACKEND_CPU, DDOF_BACKEND_GL, DDOF_BACKEND_REFERENCE};
 
+/* Whether something was asked for that the GL backend alone knows; NULL or its name. */
+static const char *gl_option_given(const options *o) {
+    static const option_id only_gl[] = {OPT_SOLVER, OPT_SURFACE, OPT_SHARED_CHAIN};
+    for (size_t i = 0; i < sizeof only_gl / sizeof *only_gl; i++)
+        if (option_given(o, only_gl[i])) return option_table[only_gl[i]].name;
+    return NULL;
+}
+
+/* "auto" said in so many words, beside an option for GL: GL where it can be had. */
+static bool prefers_gl(const options *o) {
+    return option_given(o, OPT_BACKEND) && option_number(o, OPT_BACKEND, 0) == 0 && gl_option_given(o);
+}
+
 ddof_backend backend_of_options(const options *o) {
     const ddof_backend asked = backends[(int)option_number(o, OPT_BACKEND, 0)];
     return asked == DDOF_BACKEND_AUTO ? DDOF_BACKEND_CPU : asked;
@@ -114,21 +127,8 @@ void session_add_gl(const session *s, cJSON *object, const ddof_settings *settin
     json_number(object, "surface_bytes_per_pixel", (double)stats->surface_bytes / pixels);
 }
 
-static int check_gl_options(const options *o, ddof_backend backend) {
-    static const option_id only_gl[] = {OPT_SOLVER, OPT_SURFACE, OPT_SHARED_CHAIN};
-    for (size_t i = 0; i < sizeof only_gl / sizeof *only_gl; i++)
-        if (option_given(o, only_gl[i]) && backend != DDOF_BACKEND_GL)
-            return fail_usage("--%s: belongs to the GL backend; add --backend gl", option_table[only_gl[i]].name);
-    return 0;
-}
-
-int session_open(session *s, const options *o) {
-    const ddof_backend backend = backend_of_options(o);
-    int status = check_gl_options(o, backend);
-    return status ? status : session_open_as(s, o, backend);
-}
-
-int session_open_as(session *s, const options *o, ddof_backend backend) {
+/* Returns 0 or an exit code; where the library refused, nothing is printed and s->error says why. */
+static int open_quietly(session *s, const options *o, ddof_backend backend, bool *refused) {
     *s = (session){.progress = !option_given(o, OPT_QUIET), .backend = backend};
     ddof_config config = {
         .backend = backend,
@@ -138,13 +138,36 @@ int session_open_as(session *s, const options *o, ddof_backend backend) {
         .progress = on_progress,
         .progress_user = s,
     };
+    *refused = false;
     int status = cpu_mask_of_options(o, &config.cpu_mask);
     if (status) return status;
     ddof_status made = ddof_create(&s->context, &config);
     if (made == DDOF_OK) return 0;
-    const char *why = *s->error ? s->error : ddof_status_text(made);
-    if (backend == DDOF_BACKEND_GL) return fail("--backend gl: %s; use --backend cpu", why);
-    return fail("--backend: %s: %s; try --backend cpu --threads 1", session_backend_name(s), why);
+    *refused = true;
+    if (!*s->error) snprintf(s->error, sizeof s->error, "%s", ddof_status_text(made));
+    return EXIT_WORK;
+}
+
+int session_open(session *s, const options *o) {
+    const ddof_backend backend = backend_of_options(o);
+    const char *option = gl_option_given(o);
+    bool refused;
+    if (prefers_gl(o)) {
+        int status = open_quietly(s, o, DDOF_BACKEND_GL, &refused);
+        if (!refused) return status;
+        note("note: --backend auto: %s; the CPU engine does the work, without --%s", s->error, option);
+    } else if (option && backend != DDOF_BACKEND_GL) {
+        return fail_usage("--%s: belongs to the GL backend; add --backend gl", option);
+    }
+    return session_open_as(s, o, backend);
+}
+
+int session_open_as(session *s, const options *o, ddof_backend backend) {
+    bool refused;
+    int status = open_quietly(s, o, backend, &refused);
+    if (!refused) return status;
+    if (backend == DDOF_BACKEND_GL) return fail("--backend gl: %s; use --backend cpu", s->error);
+    return fail("--backend: %s: %s; try --backend cpu --threads 1", session_backend_name(s), s->error);
 }
 
 void session_note(session *s, const char *about) {

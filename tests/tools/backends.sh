@@ -72,6 +72,9 @@ if [ $status -ne 0 ]; then
     refuses "no GL is said before the picture is read" 1 '--backend gl' env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$DDOF" render "$work/nothing.exr" -o "$out" $lens --backend gl
     passes "no GL: auto" env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$DDOF" render "$in" -o "$out" $lens --json
     check "no GL: auto is cpu" test "$(member backend)" = cpu
+    passes "no GL: auto with a solver" env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$DDOF" render "$in" -o "$out" $lens --backend auto --solver cr --json
+    check "no GL: auto with a solver falls back" test "$(member backend)" = cpu
+    check "no GL: and says so" grep -q 'note: --backend auto: .*; the CPU engine does the work' "$work/err"
     passes "no GL: table" env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$DDOF" bench $tiny --json
     check "no GL: table says so" grep -q 'note: no rows of the GL backend: ' "$work/err"
     check "no GL: table has the CPU" test "$(member rows.0.backend)" = cpu
@@ -91,6 +94,8 @@ passes "render --backend gl" "$DDOF" render "$in" -o "$out" $lens --backend gl -
 has_members "gl: members" backend device solver surface shared_chain surface_bytes surface_bytes_per_pixel solve_ms
 check "gl: what they say" test "$(member backend) $(member solver) $(member surface) $(member shared_chain)" = "gl cr4+pack rgba16f false"
 near "gl: bytes per pixel" "$(member surface_bytes_per_pixel)" "$(awk -v b="$(member surface_bytes)" 'BEGIN { print b / 3072 }')" 0.001
+passes "auto with a solver" "$DDOF" render "$in" -o "$out" $lens --backend auto --solver cr --json
+check "auto with a solver is gl" test "$(member backend)" = gl
 passes "render --backend gl, for people" "$DDOF" render "$in" -o "$out" $lens --backend gl --solver cr --surface rgba32f
 check "gl, for people" grep -Eq '^gl: cr, rgba32f, [0-9.]+ bytes of surfaces per pixel' "$work/out"
 for solver in cr-vanilla cr cr+pack cr4 cr4+pack cr+pcr; do
