@@ -322,7 +322,9 @@ typedef struct ddof_stats {
 /* Blurs frame->color into frame->output as the lens would have.
  * Guarantees (tested), for premultiplied colour without holes and DDOF_FLOAT output: a constant picture stays constant to
  * 1e-6; the sum over all pixels is kept to 1e-5; output lies within the input's range, per channel, to 1e-6 of it; the
- * error against a float64 solve is at most 1e-5 of the range for |CoC| <= 1e4. The bits do not depend on threads,
+ * error against a float64 solve is at most 1e-5 of the range (measured: 6e-6 for |CoC| up to 1e4 at 2500 x 1900). Where
+ * the blur reaches farther than 400 pixels it may grow, by at most 2.5e-8 for each pixel of reach, sqrt(beta), and
+ * substep; so may that of the sum. The bits do not depend on threads,
  * parallel_for, strides, alignment, in place or not, or earlier calls; they may differ between instruction sets with and
  * without fused multiply-add.
  * Non-finite values: a pixel with a non-finite colour channel, a NaN depth or a non-finite CoC is a hole. Its colour is

@@ -164,7 +164,8 @@ static void bridges(void **state) {
         for (size_t p = 0; p < pixels_of(&s); p++) {
             const int x = (int)(p % (size_t)s.width), step = x - left + 1;
             const float want = x < left ? a : x >= left + holes ? b : (float)(a + (b - a) * (double)step / (holes + 1));
-            assert_close(&s.output[4 * p], &want, 1, 5e-5, "%d, %d holes, %d: pixel %d", left, holes, right, x);
+            assert_close(&s.output[4 * p], &want, 1, 1e-5 + 1e-8 * holes, "%d, %d holes, %d: pixel %d", left, holes,
+                         right, x);
         }
         scene_free(&s);
     }
