@@ -129,6 +129,32 @@ static void pictures(void **state) {
     pair_destroy(&p);
 }
 
+/* Full HD with CoC up to 1e4: 1e-5 of the range, whatever the reach. */
+static void full_hd(void **state) {
+    static const struct {
+        coc_pattern coc;
+        ddof_conductance conductance;
+    } cases[] = {{COC_SMOOTH, DDOF_CONDUCTANCE_MATCHED},
+                 {COC_SPLIT, DDOF_CONDUCTANCE_CLASSIC},
+                 {COC_HUGE, DDOF_CONDUCTANCE_MATCHED}};
+    rng r = {7};
+    pair p = pair_make(test_parameters(state).isa);
+    for (int i = 0; i < COUNT(cases); i++) {
+        const ddof_settings settings = {.conductance = cases[i].conductance};
+        scene s = scene_fill(1920, 1080, cases[i].coc, COLOR_RANDOM, &r);
+        const size_t n = (size_t)s.width * (size_t)s.height * 4;
+        float *want = fenced(n * sizeof *want, true);
+        ddof_frame frame = scene_frame(&s);
+        render(p.fast, &frame, &settings);
+        frame.output = ddof_image_interleaved(want, s.width, s.height, 4, DDOF_FLOAT, 0);
+        render(p.reference, &frame, &settings);
+        assert_close(s.output, want, n, 1e-5, "%s", pattern_name(cases[i].coc));
+        fenced_free(want);
+        scene_free(&s);
+    }
+    pair_destroy(&p);
+}
+
 /* Beside lights of 1e6 dark pixels are right too: to 1e-4 of their own value and 1e-7 of the lights. Not to 1e-4 alone,
  * for what a light sends over a link of small conductance beta is rounded to 6e-8/beta of itself (1 - keep, in float).
  */
@@ -158,9 +184,13 @@ static void lights(void **state) {
 
 int main(void) {
     static const test tests[] = {
-        {"sizes 1..67 both ways", sizes, true, 0, 0}, {"patterns of CoC and colour", patterns, true, 0, 0},
-        {"lines of 8192", long_lines, true, 0, 0},    {"magnitudes of CoC", magnitudes, true, 0, 0},
-        {"pictures", pictures, true, 0, 0},           {"dark pixels beside lights", lights, true, 0, 0},
+        {"sizes 1..67 both ways", sizes, true, 0, 0},
+        {"patterns of CoC and colour", patterns, true, 0, 0},
+        {"lines of 8192", long_lines, true, 0, 0},
+        {"magnitudes of CoC", magnitudes, true, 0, 0},
+        {"pictures", pictures, true, 0, 0},
+        {"dark pixels beside lights", lights, true, 0, 0},
+        {"full HD", full_hd, true, 0, 0},
     };
     return run_library_tests("accuracy", tests, COUNT(tests));
 }
