@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-static const double COC_LIMIT = 1e5; /* pixels, as in cpu/conductance.h */
+#include "limits.h"
 
 static double sensor_width(const ddof_lens *lens) {
     return lens->sensor_width > 0 ? lens->sensor_width : 36;

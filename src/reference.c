@@ -8,8 +8,7 @@
 
 #include "context.h"
 #include "image.h"
-
-static const double COC_LIMIT = 1e5, BETA_FLOOR = 1e-14; /* as in cpu/conductance.h */
+#include "limits.h"
 
 typedef struct planes {
     int width, height, channels;

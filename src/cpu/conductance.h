@@ -8,13 +8,8 @@
 #ifndef DDOF_CPU_CONDUCTANCE_H
 #define DDOF_CPU_CONDUCTANCE_H
 
+#include "../limits.h"
 #include "vec.h"
-
-#define COC_LIMIT 1e5f /* pixels; beyond it a picture is one colour anyway, and float32 still holds every step */
-
-/* Two pixels in focus, at least this: a hole between sharp neighbours must still be reached by them, and nothing else
- * can be told from zero (1 + 1e-14 == 1). Not less: along 2^20 holes its square shrinks to 1e-34, still a normal float. */
-#define BETA_FLOOR 1e-14f
 
 /* |d|, limited; what is not a number counts as the limit: such a pixel is a hole and leaves the decision to its
  * neighbour. */

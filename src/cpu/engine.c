@@ -55,7 +55,7 @@ typedef struct sweep {
     int width, height, lanes, blocks;
     ddof_image source, work, result; /* of this substep; strides resolved */
     bool straight_in, straight_out;  /* alpha of source and result */
-    bool source_direct, work_direct, coc_direct, stream, in_place;
+    bool source_direct, work_direct, coc_direct, stream;
     bool first; /* substep: holes are looked for and counted */
     float *keep; /* height rows */
     ptrdiff_t keep_stride;
@@ -286,8 +286,8 @@ static ddof_status substep(sweep *s) {
     const ddof_config *config = &s->ctx->config;
     s->source_direct = image_is_rgba(&s->source) && !s->straight_in;
     s->work_direct = image_is_rgba(&s->work);
-    s->in_place = s->source.plane[0].data == s->work.plane[0].data;
-    s->stream = s->work_direct && !s->in_place && aligned(&s->work) && s->width >= TILE;
+    const bool in_place = s->source.plane[0].data == s->work.plane[0].data;
+    s->stream = s->work_direct && !in_place && aligned(&s->work) && s->width >= TILE;
     s->next = 0;
     for (int i = 0; i < s->blocks; i++) atomic_init(&s->done[i], 0);
     size_t wide = (size_t)s->width + PAD;
