@@ -182,16 +182,20 @@ typedef enum ddof_conductance {
     DDOF_CONDUCTANCE_CLASSIC = 1  /* beta = d^2: the convention of Kass 2006 and Gruen 2011, 5.66 times wider */
 } ddof_conductance;
 
-/* The next two are looked at by the GL backend only: the CPU backends solve exactly, and differently. docs/gl.md tells them
- * apart. All but CR_VANILLA stop at two or three unknowns. */
+/* The next two are looked at by the GPU backends only: the CPU backends solve exactly, and differently. GL has 1 to 6
+ * (docs/gl.md), Vulkan 5 and 7 to 9 (docs/vulkan.md); a solver that the backend lacks is UNSUPPORTED. All of 2 to 5 stop at two
+ * or three unknowns. */
 typedef enum ddof_solver {
-    DDOF_SOLVER_DEFAULT = 0,    /* CR4_PACK */
+    DDOF_SOLVER_DEFAULT = 0,    /* GL: CR4_PACK; Vulkan: LINE */
     DDOF_SOLVER_CR_VANILLA = 1, /* cyclic reduction 2:1 to one unknown, the coefficients of every pixel stored */
     DDOF_SOLVER_CR = 2,         /* those of full resolution made on the fly */
     DDOF_SOLVER_CR_PACK = 3,    /* the same, a row and its colour in 128 bits: colour in half floats */
     DDOF_SOLVER_CR4 = 4,        /* the first step 4:1, the last 1:4, coefficients from quarter resolution down */
     DDOF_SOLVER_CR4_PACK = 5,   /* the same, packed */
-    DDOF_SOLVER_CR_PCR = 6      /* 2:1 to at most 64 unknowns, which parallel cyclic reduction solves */
+    DDOF_SOLVER_CR_PCR = 6,     /* 2:1 to at most 64 unknowns, which parallel cyclic reduction solves */
+    DDOF_SOLVER_LINE = 7,       /* a workgroup holds a whole line: k:1 in registers, PCR in subgroups and shared memory, 1:k */
+    DDOF_SOLVER_PCR = 8,        /* parallel cyclic reduction from the pixels on, through memory */
+    DDOF_SOLVER_PCR3_SWEEP = 9  /* three steps of it, then a serial sweep along each of the 8 systems */
 } ddof_solver;
 
 typedef enum ddof_surface {
@@ -205,8 +209,8 @@ typedef struct ddof_settings {
     ddof_depth depth;             /* not used when frame.coc is given */
     ddof_conductance conductance; /* default DDOF_CONDUCTANCE_MATCHED */
     int substeps;                 /* 1 to 64; 0: 1. More substeps round the kernel, at that many times the cost */
-    ddof_solver solver;           /* GL backend only; default DDOF_SOLVER_CR4_PACK */
-    ddof_surface surface;         /* GL backend only; default DDOF_SURFACE_RGBA16F */
+    ddof_solver solver;           /* GPU backends only; default see DDOF_SOLVER_DEFAULT */
+    ddof_surface surface;         /* GPU backends only; default DDOF_SURFACE_RGBA16F */
     int shared_chain;             /* GL backend only; 0 or 1: the vertical pass reuses the surfaces of the horizontal one */
     uint64_t reserved[6];
 } ddof_settings;
@@ -242,8 +246,9 @@ typedef enum ddof_backend {
     DDOF_BACKEND_AUTO = 0,     /* the best engine that needs no device of its own: the CPU engine */
     DDOF_BACKEND_CPU = 1,      /* the fused streaming engine, all threads, best instruction set */
     DDOF_BACKEND_REFERENCE = 2, /* float64 Thomas solver, one thread: slow, what every other path is checked against */
-    DDOF_BACKEND_GL = 3        /* pixel shaders on OpenGL ES 3.0, by EGL, without a window. UNSUPPORTED where the library was
+    DDOF_BACKEND_GL = 3,       /* pixel shaders on OpenGL ES 3.0, by EGL, without a window. UNSUPPORTED where the library was
                                   built without it, or this machine has no such GL */
+    DDOF_BACKEND_VULKAN = 4    /* compute shaders on a Vulkan device, see ddof_config.device. UNSUPPORTED likewise */
 } ddof_backend;
 
 /* Instruction sets, for ddof_config.cpu_mask and ddof_cpu_available(). */
@@ -286,7 +291,9 @@ typedef struct ddof_config {
      * Default: the context's own pthread pool. */
     int (*parallel_for)(void *user, int count, ddof_task task, void *task_data);
     void *parallel_user;
-    uint64_t reserved[8];
+    int device;       /* DDOF_BACKEND_VULKAN: index in the list of ddof_devices(); default 0, the best. Else 0 */
+    int reserved_int; /* must be 0 */
+    uint64_t reserved[7];
 } ddof_config;
 
 /* Makes a context. config may be NULL for defaults. On failure *context is NULL.
@@ -306,6 +313,24 @@ DDOF_API ddof_status ddof_trim(ddof_context *context);
 
 /* The instruction sets of this machine that this build can use, as DDOF_CPU_* bits. Thread-safety: any thread. */
 DDOF_API unsigned ddof_cpu_available(void);
+
+/* A device of the GPU backends. */
+typedef struct ddof_device {
+    char name[256], driver[256]; /* "" where it cannot be told */
+    char refused[256];           /* why ddof cannot use it; "": it can */
+    int is_software;             /* a driver that computes on the CPU */
+    int subgroup_least, subgroup_most; /* sizes of its subgroups; 0: unknown, or not used */
+    int max_side;                /* of a picture, pixels */
+    int max_workgroup;           /* threads; 0: no compute */
+    int shared_bytes;            /* shared memory of a workgroup */
+    uint64_t memory_bytes;       /* its own, or what it shares with the CPU; 0: unknown */
+    uint64_t reserved[8];        /* written as 0 */
+} ddof_device;
+
+/* Lists the devices of DDOF_BACKEND_GL (at most one) or VULKAN, the best first: those ddof can use before others, discrete
+ * before integrated, virtual and software ones. Writes up to `capacity` of them and returns how many there are; 0 also
+ * where the backend was not built in, or has no driver here. Slow (drivers are loaded). Thread-safety: any thread. */
+DDOF_API int ddof_devices(ddof_backend backend, ddof_device *devices, int capacity);
 
 /* ------------------------------------------------------------------------- work */
 

@@ -1,0 +1,180 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* ddof inside a Vulkan program: images in, image out, recorded into the caller's own command buffer.
+ *
+ *     ddof_vulkan *vk = NULL;
+ *     ddof_vulkan_config config = {.instance = instance, .physical_device = gpu, .device = device, .queue_family = family,
+ *                                  .get_instance_proc_addr = vkGetInstanceProcAddr};
+ *     if (ddof_vulkan_create(&vk, &config) != DDOF_OK) return 1;
+ *
+ *     ddof_vulkan_frame *frame = NULL;                      // once per set of images
+ *     ddof_vulkan_images images = {
+ *         .color = {hdr, VK_FORMAT_R16G16B16A16_SFLOAT, w, h, hdr_usage},
+ *         .depth = {z, VK_FORMAT_D32_SFLOAT, w, h, z_usage},
+ *         .output = {result, VK_FORMAT_R16G16B16A16_SFLOAT, w, h, result_usage},
+ *     };
+ *     if (ddof_vulkan_frame_create(vk, &frame, &images, &settings) != DDOF_OK) puts(ddof_vulkan_error(vk));
+ *
+ *     ddof_vulkan_record(frame, commands, NULL, &settings, NULL);   // every frame: dispatches and barriers only
+ *
+ *     ddof_vulkan_frame_destroy(&frame);                    // once the GPU is done with it
+ *     ddof_vulkan_destroy(&vk);
+ *
+ * Needs a device of Vulkan 1.1 or later with the features synchronization2 and shaderStorageImageWriteWithoutFormat
+ * enabled, and a queue family with compute. Used where enabled: subgroupSizeControl with computeFullSubgroups (and shuffles in
+ * compute shaders), shaderStorageImageExtendedFormats. Nothing else, neither float16 nor 16-bit storage. The library is not
+ * linked to Vulkan: every function comes through get_instance_proc_addr. It never submits, waits, or maps memory.
+ *
+ * Synchronisation. Expected at the place where the work is recorded: `color`, `depth` or `coc` in the layout stated in their
+ * `layout`, their contents visible to VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
+ * `output` in VK_IMAGE_LAYOUT_GENERAL, earlier accesses to it done (an execution barrier to COMPUTE_SHADER, with
+ * VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT where it was written before); where it is also `color`, both. Left: all layouts as
+ * they were; the result written by COMPUTE_SHADER, SHADER_STORAGE_WRITE, and the caller makes it visible to what follows. Other
+ * state that recording changes: the compute pipeline, descriptor set 0 and push constants of the compute bind point.
+ * Scratch memory of one frame object may not be in use by two submissions at once: the library puts a barrier before its own
+ * use of it in the same queue.
+ *
+ * Thread-safety: one call at a time per ddof_vulkan and the frame objects made from it. Several may live on one device.
+ * External synchronisation of the command buffer and its pool is the caller's, as always. */
+#ifndef DDOF_VULKAN_H
+#define DDOF_VULKAN_H
+
+#include <ddof/ddof.h>
+#include <vulkan/vulkan_core.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ddof_vulkan ddof_vulkan;
+typedef struct ddof_vulkan_frame ddof_vulkan_frame;
+
+typedef struct ddof_vulkan_config {
+    VkInstance instance;
+    VkPhysicalDevice physical_device;
+    VkDevice device;
+    uint32_t queue_family; /* of the command buffers to record into; must do compute */
+    PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+    const VkPhysicalDeviceFeatures2 *features; /* what was enabled, with the pNext chain given to vkCreateDevice(). NULL: all
+                                                  that this library needs or may use, as far as the device has it */
+    const VkAllocationCallbacks *allocator;    /* for every vkCreate; copied; NULL: the driver's */
+
+    /* Compiled pipelines of an earlier run, from ddof_vulkan_pipeline_cache(); data of another driver are ignored. */
+    const void *pipeline_cache;
+    size_t pipeline_cache_size;
+
+    /* As in ddof_config. */
+    void *(*allocate)(void *user, size_t bytes);
+    void (*release)(void *user, void *memory);
+    void *memory_user;
+    void (*log)(void *user, ddof_log_level level, const char *text);
+    void *log_user;
+    uint64_t reserved[8];
+} ddof_vulkan_config;
+
+/* One mip level of one layer of a 2D image, with one sample per texel. Vulkan cannot be asked what an image is: what is said here
+ * is checked, but believed. */
+typedef struct ddof_vulkan_image {
+    VkImage image; /* VK_NULL_HANDLE: none */
+    VkFormat format;
+    uint32_t width, height;  /* of the mip level, texels */
+    VkImageUsageFlags usage; /* as it was created. Inputs: SAMPLED. Output: STORAGE, and SAMPLED, unless the intermediate
+                                lies in scratch memory */
+    VkImageLayout layout;    /* while the recorded work runs. 0: SHADER_READ_ONLY_OPTIMAL; for depth formats
+                                DEPTH_STENCIL_READ_ONLY_OPTIMAL. `output`, and `color` where it is the same: always GENERAL */
+    uint32_t mip_level, array_layer;
+} ddof_vulkan_image;
+
+/* The images of a frame. What is diffused is the colour as it is sampled: scene-linear, premultiplied. `depth` or `coc` has
+ * the size of `color`, or half of it, rounded up: each of its texels then serves 2 x 2 pixels. A CoC is in pixels of
+ * `color` in either case. */
+typedef struct ddof_vulkan_images {
+    ddof_vulkan_image color; /* R32G32B32A32_SFLOAT, R16G16B16A16_SFLOAT, B10G11R11_UFLOAT, E5B9G9R9_UFLOAT,
+                                A2B10G10R10_UNORM, R8G8B8A8 and B8G8R8A8 _UNORM and _SRGB */
+    ddof_vulkan_image depth; /* D16_UNORM, X8_D24_UNORM, D24_UNORM_S8_UINT, D32_SFLOAT, D32_SFLOAT_S8_UINT, R32_SFLOAT,
+                                R16_SFLOAT. Exactly one of depth and coc has an image */
+    ddof_vulkan_image coc;   /* R32_SFLOAT, R16_SFLOAT: signed diameter in pixels */
+    ddof_vulkan_image output; /* the size of `color`: R32G32B32A32_SFLOAT, R16G16B16A16_SFLOAT, or, with an intermediate in
+                                 scratch memory, B10G11R11_UFLOAT, A2B10G10R10_UNORM, R8G8B8A8_UNORM (which are rounded).
+                                 It may be `color` itself, level and layer included: the blur is then in place */
+    int channels; /* 0 or 4: alpha is diffused as well; 3: alpha is not looked at, and 1 in the result */
+
+    /* Memory for scratch, at least what ddof_vulkan_scratch() asks for, bound by the library and kept by the caller until
+     * after ddof_vulkan_frame_destroy(). VK_NULL_HANDLE: the library allocates it. */
+    VkDeviceMemory scratch_memory;
+    VkDeviceSize scratch_offset;
+    const void *next; /* must be NULL */
+    uint64_t reserved[8];
+} ddof_vulkan_images;
+
+/* What may change from frame to frame. */
+typedef struct ddof_vulkan_view {
+    int x, y, width, height; /* the part of color and output that is the picture, texels (dynamic resolution); nothing
+                                outside is read or written. width and height 0: all. x and y even where depth or
+                                coc is of half size */
+    int picture_width, picture_height, offset_x, offset_y; /* as in ddof_frame, of that part */
+    double pixel_aspect;
+    const void *next; /* must be NULL */
+    uint64_t reserved[4];
+} ddof_vulkan_view;
+
+typedef struct ddof_vulkan_stats {
+    size_t scratch_bytes; /* of the frame object: all memory beyond the caller's images */
+    int dispatches;       /* recorded; `line` with one substep: 2 */
+    ddof_solver solver;   /* that did it: never DEFAULT, and PCR3_SWEEP where a line is too long for LINE */
+    int pixels_per_thread, workgroup, strip, subgroup; /* of LINE along rows, else 0: k, threads, lines side by side, size of
+                                                          the subgroups (1: not used) */
+    const char *device;   /* its name; lives as long as the ddof_vulkan */
+    uint64_t reserved[8]; /* written as 0 */
+} ddof_vulkan_stats;
+
+/* Makes the part that all frames share. On failure *vk is NULL and config->log has got the sentence.
+ * Errors: INVALID, MEMORY, DEVICE (out of its memory, lost), UNSUPPORTED (no Vulkan in this build, a missing feature, a
+ * queue family without compute). */
+DDOF_API ddof_status ddof_vulkan_create(ddof_vulkan **vk, const ddof_vulkan_config *config);
+
+/* Frees all of it and nulls *vk. Frame objects must be gone. NULL and pointers to NULL are allowed. */
+DDOF_API void ddof_vulkan_destroy(ddof_vulkan **vk);
+
+/* What was wrong with the last call that failed, on it or on one of its frame objects; "" after one that went well. */
+DDOF_API const char *ddof_vulkan_error(const ddof_vulkan *vk);
+
+/* Whether an image of this format can be the output, and the colour, on this device. */
+DDOF_API int ddof_vulkan_can_output(const ddof_vulkan *vk, VkFormat format);
+DDOF_API int ddof_vulkan_can_sample(const ddof_vulkan *vk, VkFormat format);
+
+/* The scratch memory such a frame wants; size 0: none (images, scratch_memory left out, need not exist yet: handles may be
+ * VK_NULL_HANDLE but for which of depth and coc is meant, told by its format). Errors: INVALID, UNSUPPORTED, DEVICE. */
+DDOF_API ddof_status ddof_vulkan_scratch(ddof_vulkan *vk, const ddof_vulkan_images *images, const ddof_settings *settings,
+                                         VkMemoryRequirements *requirements);
+
+/* Makes what recording needs: image views, descriptor sets, pipelines (compiled here, the first time), scratch. It stays valid
+ * while the images live. Of the settings solver, surface and depth.kind are fixed here.
+ *   solver   DEFAULT or LINE, PCR, PCR3_SWEEP, CR4_PACK
+ *   surface  RGBA16F: the intermediate lies in the output where that is floating-point, else in scratch as half floats;
+ *            RGBA32F: in scratch as floats, unless the output is R32G32B32A32_SFLOAT
+ * On failure *frame is NULL. Errors: INVALID, MEMORY, DEVICE, UNSUPPORTED. */
+DDOF_API ddof_status ddof_vulkan_frame_create(ddof_vulkan *vk, ddof_vulkan_frame **frame, const ddof_vulkan_images *images,
+                                              const ddof_settings *settings);
+
+/* Frees it and nulls *frame. Not while a command buffer that it was recorded into is pending. */
+DDOF_API void ddof_vulkan_frame_destroy(ddof_vulkan_frame **frame);
+
+/* Records the blur into `commands`, which is in the recording state, outside a render pass. Allocates nothing. All is checked
+ * before the first command is recorded: after an error the command buffer is as it was. view may be NULL; stats may be
+ * NULL and is zeroed when the call fails. lens.focus must be DDOF_FOCUS_DISTANCE. Holes are filled as by ddof_render() but not
+ * counted. May be recorded any number of times, also into several command buffers.
+ * Errors: INVALID (an argument; solver, surface or depth.kind differ from those at creation). */
+DDOF_API ddof_status ddof_vulkan_record(ddof_vulkan_frame *frame, VkCommandBuffer commands, const ddof_vulkan_view *view,
+                                        const ddof_settings *settings, ddof_vulkan_stats *stats);
+
+/* The compiled pipelines, for the next run: with data NULL *size becomes their size; else *size is the room on entry and what
+ * was written on return. Errors: INVALID (too little room), MEMORY, DEVICE. */
+DDOF_API ddof_status ddof_vulkan_pipeline_cache(ddof_vulkan *vk, void *data, size_t *size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,4 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include "loader.h"
