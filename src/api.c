@@ -89,6 +89,7 @@ static const backend *pick_backend(ddof_backend id) {
     switch (id) {
     case DDOF_BACKEND_REFERENCE: return &backend_reference;
     case DDOF_BACKEND_GL: return &backend_gl;
+    case DDOF_BACKEND_VULKAN: return &backend_vulkan;
     default: return &backend_cpu;
     }
 }
@@ -155,6 +156,11 @@ void ddof_destroy(ddof_context **context) {
     ctx->config.release(ctx->config.memory_user, ctx);
 }
 
+int ddof_devices(ddof_backend id, ddof_device *devices, int capacity) {
+    const backend *b = pick_backend(id);
+    return b->list ? b->list(devices, devices ? capacity : 0) : 0;
+}
+
 const char *ddof_error(const ddof_context *context) {
     return context ? context->error : "";
 }
@@ -184,14 +190,13 @@ ddof_status ddof_trim(ddof_context *ctx) {
 static ddof_status run(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *settings, bool coc_only,
                        ddof_stats *stats) {
     frame_job job;
-    double distance = 0;
     ddof_status status = check_frame(ctx, frame, !coc_only);
     if (status == DDOF_OK) status = check_settings(ctx, frame, settings);
-    if (status == DDOF_OK) status = pipeline_prepare(ctx, &job, frame, settings, true, &distance);
+    if (status == DDOF_OK) status = pipeline_prepare(ctx, &job, frame, settings, true, &job.focus_distance);
     if (status == DDOF_OK) status = pipeline_run(ctx, &job, coc_only);
     if (status == DDOF_OK && stats) {
         stats->nonfinite_pixels = job.nonfinite_pixels;
-        stats->focus_distance = distance;
+        stats->focus_distance = job.focus_distance;
         stats->scratch_bytes = ctx->scratch_bytes;
         stats->threads = ctx->threads;
         stats->surface_bytes = ctx->backend->surface_bytes ? ctx->backend->surface_bytes(ctx) : 0;

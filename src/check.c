@@ -19,7 +19,7 @@ static bool all_zero(const uint64_t *reserved, size_t count) {
 
 ddof_status check_config(const ddof_config *c, const char **wrong) {
     *wrong = NULL;
-    if (c->backend < DDOF_BACKEND_AUTO || c->backend > DDOF_BACKEND_GL)
+    if (c->backend < DDOF_BACKEND_AUTO || c->backend > DDOF_BACKEND_VULKAN)
         *wrong = "config.backend is none of ddof_backend";
     else if (c->threads < 0 || c->threads > MAX_THREADS)
         *wrong = "config.threads must be 0 (all) or 1 to 256";
@@ -27,8 +27,12 @@ ddof_status check_config(const ddof_config *c, const char **wrong) {
         *wrong = "config.allocate and config.release must both be given, or neither";
     else if (c->parallel_for && c->threads < 1)
         *wrong = "config.threads must be given with config.parallel_for: it bounds the worker number";
-    else if (!RESERVED_ZERO(c))
-        *wrong = "config.reserved must be 0";
+    else if (c->device < 0)
+        *wrong = "config.device is negative: it is an index in the list of ddof_devices()";
+    else if (c->device && c->backend != DDOF_BACKEND_VULKAN)
+        *wrong = "config.device must be 0, but for DDOF_BACKEND_VULKAN";
+    else if (c->reserved_int || !RESERVED_ZERO(c))
+        *wrong = "config.reserved_int and config.reserved must be 0";
     return *wrong ? DDOF_ERROR_INVALID : DDOF_OK;
 }
 
@@ -174,7 +178,7 @@ ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddo
     if (s->substeps < 0 || s->substeps > MAX_SUBSTEPS)
         return context_fail(ctx, DDOF_ERROR_INVALID, "settings.substeps is %d: give 1 to %d, or 0 for 1", s->substeps,
                             MAX_SUBSTEPS);
-    if (s->solver < DDOF_SOLVER_DEFAULT || s->solver > DDOF_SOLVER_CR_PCR)
+    if (s->solver < DDOF_SOLVER_DEFAULT || s->solver > DDOF_SOLVER_PCR3_SWEEP)
         return context_fail(ctx, DDOF_ERROR_INVALID, "settings.solver is none of ddof_solver");
     if (s->surface < DDOF_SURFACE_DEFAULT || s->surface > DDOF_SURFACE_RGBA32F)
         return context_fail(ctx, DDOF_ERROR_INVALID, "settings.surface is none of ddof_surface");

@@ -23,6 +23,7 @@ typedef struct frame_job {
     lens_curve curve;
     double row_scale, column_scale; /* conductance of a link of CoC 1 px, per substep */
     int substeps;
+    double focus_distance;    /* as in ddof_stats */
     int64_t nonfinite_pixels; /* out */
 } frame_job;
 
@@ -38,9 +39,10 @@ typedef struct backend {
     void (*close)(ddof_context *ctx);
     void (*trim)(ddof_context *ctx);
     size_t (*surface_bytes)(const ddof_context *ctx);
+    int (*list)(ddof_device *devices, int capacity); /* as ddof_devices(); needs no context */
 } backend;
 
-extern const backend backend_cpu, backend_reference, backend_gl;
+extern const backend backend_cpu, backend_reference, backend_gl, backend_vulkan;
 
 struct ddof_context {
     ddof_config config; /* all callbacks filled in */

@@ -5,7 +5,7 @@
  *
  *     ddof_vulkan *vk = NULL;
  *     ddof_vulkan_config config = {.instance = instance, .physical_device = gpu, .device = device, .queue_family = family,
- *                                  .get_instance_proc_addr = vkGetInstanceProcAddr};
+ *                                  .get_instance_proc_addr = vkGetInstanceProcAddr, .features = &enabled_features};
  *     if (ddof_vulkan_create(&vk, &config) != DDOF_OK) return 1;
  *
  *     ddof_vulkan_frame *frame = NULL;                      // once per set of images
@@ -13,6 +13,11 @@
  *         .color = {hdr, VK_FORMAT_R16G16B16A16_SFLOAT, w, h, hdr_usage},
  *         .depth = {z, VK_FORMAT_D32_SFLOAT, w, h, z_usage},
  *         .output = {result, VK_FORMAT_R16G16B16A16_SFLOAT, w, h, result_usage},
+ *         .channels = 3,                                    // alpha holds nothing of use
+ *     };
+ *     ddof_settings settings = {
+ *         .lens = {.focal_length = 50, .f_number = 1.8, .focus_distance = 3},
+ *         .depth = {DDOF_DEPTH_DEVICE, INFINITY, z_near},   // reversed-Z, infinite far plane
  *     };
  *     if (ddof_vulkan_frame_create(vk, &frame, &images, &settings) != DDOF_OK) puts(ddof_vulkan_error(vk));
  *
@@ -21,22 +26,31 @@
  *     ddof_vulkan_frame_destroy(&frame);                    // once the GPU is done with it
  *     ddof_vulkan_destroy(&vk);
  *
- * Needs a device of Vulkan 1.1 or later with the features synchronization2 and shaderStorageImageWriteWithoutFormat
- * enabled, and a queue family with compute. Used where enabled: subgroupSizeControl with computeFullSubgroups (and shuffles in
- * compute shaders), shaderStorageImageExtendedFormats. Nothing else, neither float16 nor 16-bit storage. The library is not
- * linked to Vulkan: every function comes through get_instance_proc_addr. It never submits, waits, or maps memory.
+ * Needs instance and device of Vulkan 1.1 or later with the features synchronization2 (core 1.3 or VK_KHR_synchronization2)
+ * and shaderStorageImageWriteWithoutFormat enabled, and a queue family with compute. Used where enabled:
+ * subgroupSizeControl with computeFullSubgroups (core 1.3 or VK_EXT_subgroup_size_control), for shuffles. Nothing else, neither
+ * float16 nor 16-bit storage. The library is not linked to Vulkan: every function comes through get_instance_proc_addr.
+ * It never submits, waits, or maps memory.
  *
- * Synchronisation. Expected at the place where the work is recorded: `color`, `depth` or `coc` in the layout stated in their
- * `layout`, their contents visible to VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
- * `output` in VK_IMAGE_LAYOUT_GENERAL, earlier accesses to it done (an execution barrier to COMPUTE_SHADER, with
- * VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT where it was written before); where it is also `color`, both. Left: all layouts as
- * they were; the result written by COMPUTE_SHADER, SHADER_STORAGE_WRITE, and the caller makes it visible to what follows. Other
- * state that recording changes: the compute pipeline, descriptor set 0 and push constants of the compute bind point.
- * Scratch memory of one frame object may not be in use by two submissions at once: the library puts a barrier before its own
- * use of it in the same queue.
+ * Where to record. A primary or secondary command buffer, unprotected, in the recording state, outside render passes, video
+ * coding and conditional rendering. Undefined afterwards, as after any dispatch of someone else's: pipeline, descriptor sets,
+ * descriptor buffer and push descriptor bindings of the compute bind point, and push constants. Graphics state stays.
  *
- * Thread-safety: one call at a time per ddof_vulkan and the frame objects made from it. Several may live on one device.
- * External synchronisation of the command buffer and its pool is the caller's, as always. */
+ * Synchronisation. No layout of the caller's images is changed, no ownership transferred: images of exclusive sharing mode belong
+ * to the family that executes the work.
+ *   before  color, depth or coc: contents and transition to their `layout` visible to VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+ *           VK_ACCESS_2_SHADER_SAMPLED_READ_BIT. output: earlier accesses finished, earlier writes and the transition to
+ *           VK_IMAGE_LAYOUT_GENERAL visible to COMPUTE_SHADER, SHADER_STORAGE_WRITE; where it is also color: both
+ *   after   output: written by COMPUTE_SHADER, SHADER_STORAGE_WRITE. Before color, depth or coc is written again or
+ *           transitioned: an execution dependency from COMPUTE_SHADER
+ * Scratch memory keeps nothing between recordings: each begins with a barrier from all earlier compute work of the queue
+ * and discards what is there. So a frame object may be recorded into any number of pending command buffers of one
+ * queue, and frame objects may share their scratch memory there. Between queues, and with other users of that memory, order
+ * is the caller's.
+ *
+ * Thread-safety: ddof_vulkan_record() and ddof_vulkan_frame_error(): one call at a time per frame object, beside any other call on
+ * other objects. All others: one call at a time per ddof_vulkan, whose log callback may then be called from the threads that
+ * record, too. Several ddof_vulkan may live on one device. */
 #ifndef DDOF_VULKAN_H
 #define DDOF_VULKAN_H
 
@@ -56,9 +70,9 @@ typedef struct ddof_vulkan_config {
     VkDevice device;
     uint32_t queue_family; /* of the command buffers to record into; must do compute */
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
-    const VkPhysicalDeviceFeatures2 *features; /* what was enabled, with the pNext chain given to vkCreateDevice(). NULL: all
-                                                  that this library needs or may use, as far as the device has it */
-    const VkAllocationCallbacks *allocator;    /* for every vkCreate; copied; NULL: the driver's */
+    const VkPhysicalDeviceFeatures2 *features; /* what was enabled, with the pNext chain given to vkCreateDevice(); read
+                                                  during the call. NULL: just the two needed; subgroups are not used */
+    const VkAllocationCallbacks *allocator;    /* for every vkCreate; the struct is copied; NULL: the driver's */
 
     /* Compiled pipelines of an earlier run, from ddof_vulkan_pipeline_cache(); data of another driver are ignored. */
     const void *pipeline_cache;
@@ -73,15 +87,17 @@ typedef struct ddof_vulkan_config {
     uint64_t reserved[8];
 } ddof_vulkan_config;
 
-/* One mip level of one layer of a 2D image, with one sample per texel. Vulkan cannot be asked what an image is: what is said here
- * is checked, but believed. */
+/* One mip level of one layer of a 2D image of optimal tiling, with one sample per texel (multisampled depth: resolve one sample,
+ * never a mean). Vulkan cannot be asked what an image is: what is said here is checked, but believed. */
 typedef struct ddof_vulkan_image {
-    VkImage image; /* VK_NULL_HANDLE: none */
-    VkFormat format;
+    VkImage image;
+    VkFormat format;         /* of the view to be made: the image's, or one it was made compatible with. 0: no image */
     uint32_t width, height;  /* of the mip level, texels */
-    VkImageUsageFlags usage; /* as it was created. Inputs: SAMPLED. Output: STORAGE, and SAMPLED, unless the intermediate
-                                lies in scratch memory */
-    VkImageLayout layout;    /* while the recorded work runs. 0: SHADER_READ_ONLY_OPTIMAL; for depth formats
+    VkImageUsageFlags usage; /* as it was created; 0: not checked. Inputs: SAMPLED. Output: STORAGE, and SAMPLED, unless the
+                                intermediate lies in scratch memory */
+    VkImageLayout layout;    /* while the recorded work runs: GENERAL, SHADER_READ_ONLY_OPTIMAL, READ_ONLY_OPTIMAL; for depth
+                                formats also DEPTH_STENCIL_READ_ONLY_OPTIMAL, DEPTH_READ_ONLY_OPTIMAL and
+                                DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL. 0: SHADER_READ_ONLY_OPTIMAL, of depth formats
                                 DEPTH_STENCIL_READ_ONLY_OPTIMAL. `output`, and `color` where it is the same: always GENERAL */
     uint32_t mip_level, array_layer;
 } ddof_vulkan_image;
@@ -93,17 +109,19 @@ typedef struct ddof_vulkan_images {
     ddof_vulkan_image color; /* R32G32B32A32_SFLOAT, R16G16B16A16_SFLOAT, B10G11R11_UFLOAT, E5B9G9R9_UFLOAT,
                                 A2B10G10R10_UNORM, R8G8B8A8 and B8G8R8A8 _UNORM and _SRGB */
     ddof_vulkan_image depth; /* D16_UNORM, X8_D24_UNORM, D24_UNORM_S8_UINT, D32_SFLOAT, D32_SFLOAT_S8_UINT, R32_SFLOAT,
-                                R16_SFLOAT. Exactly one of depth and coc has an image */
+                                R16_SFLOAT. Exactly one of depth and coc has a format */
     ddof_vulkan_image coc;   /* R32_SFLOAT, R16_SFLOAT: signed diameter in pixels */
     ddof_vulkan_image output; /* the size of `color`: R32G32B32A32_SFLOAT, R16G16B16A16_SFLOAT, or, with an intermediate in
-                                 scratch memory, B10G11R11_UFLOAT, A2B10G10R10_UNORM, R8G8B8A8_UNORM (which are rounded).
-                                 It may be `color` itself, level and layer included: the blur is then in place */
+                                 scratch memory, B10G11R11_UFLOAT, A2B10G10R10_UNORM, R8G8B8A8_UNORM, B8G8R8A8_UNORM (linear
+                                 values, rounded). It may be `color` itself, format, level and layer included: the blur
+                                 is then in place. No other two images may share memory */
     int channels; /* 0 or 4: alpha is diffused as well; 3: alpha is not looked at, and 1 in the result */
 
-    /* Memory for scratch, at least what ddof_vulkan_scratch() asks for, bound by the library and kept by the caller until
-     * after ddof_vulkan_frame_destroy(). VK_NULL_HANDLE: the library allocates it. */
+    /* Memory for scratch, as ddof_vulkan_scratch() asks for it, not dedicated to another resource; bound by the library and kept
+     * by the caller until after ddof_vulkan_frame_destroy(). VK_NULL_HANDLE: the library allocates it. */
     VkDeviceMemory scratch_memory;
-    VkDeviceSize scratch_offset;
+    VkDeviceSize scratch_offset; /* a multiple of the alignment asked for */
+    VkDeviceSize scratch_size;   /* room from there on; 0: not checked */
     const void *next; /* must be NULL */
     uint64_t reserved[8];
 } ddof_vulkan_images;
@@ -137,20 +155,22 @@ DDOF_API ddof_status ddof_vulkan_create(ddof_vulkan **vk, const ddof_vulkan_conf
 /* Frees all of it and nulls *vk. Frame objects must be gone. NULL and pointers to NULL are allowed. */
 DDOF_API void ddof_vulkan_destroy(ddof_vulkan **vk);
 
-/* What was wrong with the last call that failed, on it or on one of its frame objects; "" after one that went well. */
+/* What was wrong with the last call on it that failed; "" after one that went well. Calls on frame objects have their own. */
 DDOF_API const char *ddof_vulkan_error(const ddof_vulkan *vk);
+DDOF_API const char *ddof_vulkan_frame_error(const ddof_vulkan_frame *frame);
 
 /* Whether an image of this format can be the output, and the colour, on this device. */
 DDOF_API int ddof_vulkan_can_output(const ddof_vulkan *vk, VkFormat format);
 DDOF_API int ddof_vulkan_can_sample(const ddof_vulkan *vk, VkFormat format);
 
-/* The scratch memory such a frame wants; size 0: none (images, scratch_memory left out, need not exist yet: handles may be
- * VK_NULL_HANDLE but for which of depth and coc is meant, told by its format). Errors: INVALID, UNSUPPORTED, DEVICE. */
+/* The scratch memory such a frame wants; size 0: none. The images need not exist yet: handles are not looked at.
+ * Errors: INVALID, UNSUPPORTED, MEMORY, DEVICE. */
 DDOF_API ddof_status ddof_vulkan_scratch(ddof_vulkan *vk, const ddof_vulkan_images *images, const ddof_settings *settings,
                                          VkMemoryRequirements *requirements);
 
-/* Makes what recording needs: image views, descriptor sets, pipelines (compiled here, the first time), scratch. It stays valid
- * while the images live. Of the settings solver, surface and depth.kind are fixed here.
+/* Makes what recording needs: image views, descriptor sets, scratch, and pipelines, compiled here the first time they are needed,
+ * which is slow. It stays valid while the images live, and serves every view, lens, number of substeps and conductance. Of the
+ * settings solver, surface and depth.kind are fixed here.
  *   solver   DEFAULT or LINE, PCR, PCR3_SWEEP, CR4_PACK
  *   surface  RGBA16F: the intermediate lies in the output where that is floating-point, else in scratch as half floats;
  *            RGBA32F: in scratch as floats, unless the output is R32G32B32A32_SFLOAT
@@ -158,11 +178,12 @@ DDOF_API ddof_status ddof_vulkan_scratch(ddof_vulkan *vk, const ddof_vulkan_imag
 DDOF_API ddof_status ddof_vulkan_frame_create(ddof_vulkan *vk, ddof_vulkan_frame **frame, const ddof_vulkan_images *images,
                                               const ddof_settings *settings);
 
-/* Frees it and nulls *frame. Not while a command buffer that it was recorded into is pending. */
+/* Frees it and nulls *frame; before its ddof_vulkan. Not while a command buffer that it was recorded into is pending; such
+ * command buffers are invalid afterwards. */
 DDOF_API void ddof_vulkan_frame_destroy(ddof_vulkan_frame **frame);
 
-/* Records the blur into `commands`, which is in the recording state, outside a render pass. Allocates nothing. All is checked
- * before the first command is recorded: after an error the command buffer is as it was. view may be NULL; stats may be
+/* Records the blur into `commands`. Allocates nothing. All is checked before the first command is recorded: after an error the
+ * command buffer is as it was. What changes lies in push constants: pending work is not touched. view may be NULL; stats may be
  * NULL and is zeroed when the call fails. lens.focus must be DDOF_FOCUS_DISTANCE. Holes are filled as by ddof_render() but not
  * counted. May be recorded any number of times, also into several command buffers.
  * Errors: INVALID (an argument; solver, surface or depth.kind differ from those at creation). */

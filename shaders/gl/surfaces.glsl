@@ -17,10 +17,7 @@ uniform highp sampler2D x_map;
 uniform highp usampler2D packed_map;
 uniform highp sampler2D y_map;       // what is known, on the next level
 
-uniform int unknowns;     // of a line, on the level that rows are read from
-uniform int known;        // of a line, on the level that y is read from
-uniform float scale;      // conductance of a link of 1 px
-uniform bool coc_decides; // whether a pixel without a CoC is a hole
+uniform int known; // of a line, on the level that y is read from
 uniform ivec2 rows_fold, y_fold, target_fold;
 
 // The place of unknown i of a line. A surface that both directions share (SHARED) has the shape of the horizontal
@@ -49,48 +46,12 @@ ivec2 target() {
 #endif
 }
 
-ivec2 pixel(int i, int line) {
-#if VERTICAL
-    return ivec2(line, i);
-#else
-    return ivec2(i, line);
-#endif
+vec4 color_texel(ivec2 p) {
+    return texelFetch(color_map, p, 0);
 }
 
-// What half floats can hold: beyond it, colour would become an infinity.
-vec4 storable(vec4 x) {
-#if HALF
-    return clamp(x, -65504.0, 65504.0);
-#else
-    return x;
-#endif
-}
-
-// ---- the picture
-
-// |CoC| of pixel i of a line; below 0 outside, NO_COC where it is not known.
-float coc_at(int i, int line) {
-    ivec2 p = pixel(clamp(i, 0, unknowns - 1), line);
-    float d = texelFetch(coc_map, p, 0).x;
-#if DEPTH
-    d = depth_coc(d, vec2(p) + 0.5);
-#endif
-    d = is_finite(d) ? min(abs(d), COC_LIMIT) : NO_COC;
-    return i < 0 || i >= unknowns ? -1.0 : d;
-}
-
-float link(float d, float e) {
-    return conductance(d, e, scale);
-}
-
-// Row i, whose links have conductances `before` and `after` and whose own |CoC| is d.
-Row picture_row(int i, int line, float before, float after, float d) {
-    vec4 x = texelFetch(color_map, pixel(clamp(i, 0, unknowns - 1), line), 0);
-#if !ALPHA
-    x.w = 1.0;
-#endif
-    bool hole = !is_finite(x) || (coc_decides && d > COC_LIMIT);
-    return Row(-before, hole ? 0.0 : 1.0, -after, hole ? vec4(0.0) : storable(x));
+float map_texel(ivec2 p) {
+    return texelFetch(coc_map, p, 0).x;
 }
 
 // ---- the levels
@@ -114,20 +75,14 @@ Row fetch_row(int i, int line) {
 }
 #else
 Row fetch_row(int i, int line) {
-    float d = coc_at(i, line);
-    return picture_row(i, line, link(coc_at(i - 1, line), d), link(d, coc_at(i + 1, line)), d);
+    return picture_row(i, line);
 }
 #endif
 
 // Rows i - 1, i, i + 1.
 void fetch_three(int i, int line, out Row p, out Row r, out Row n) {
 #if ROWS == FROM_PICTURE
-    float d_2 = coc_at(i - 2, line), d_1 = coc_at(i - 1, line), d0 = coc_at(i, line);
-    float d1 = coc_at(i + 1, line), d2 = coc_at(i + 2, line);
-    float before = link(d_1, d0), after = link(d0, d1);
-    p = picture_row(i - 1, line, link(d_2, d_1), before, d_1);
-    r = picture_row(i, line, before, after, d0);
-    n = picture_row(i + 1, line, after, link(d1, d2), d1);
+    picture_three(i, line, p, r, n);
 #else
     p = fetch_row(i - 1, line);
     r = fetch_row(i, line);

@@ -27,6 +27,11 @@ vec4 mean(vec3 weight, float sum, vec4 x, vec4 y, vec4 z) {
     return share.x * x + share.y * y + share.z * z;
 }
 
+// From a to b by t; exact where t is 0 or 1, however far apart they are.
+vec4 lerp(vec4 a, vec4 b, float t) {
+    return a * (1.0 - t) + b * t;
+}
+
 // Row r without the unknowns of its neighbours p and n.
 Row reduce(Row p, Row r, Row n) {
     float k1 = -r.a / diagonal(p), k2 = -r.c / diagonal(n);

@@ -1,18 +1,16 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The GL backend of ddof_render(): the described images go up to textures, through the solver, and back. Rows pass
- * through scratch memory, a few at a time. Its own context is current only while it works, never while the caller's
- * callbacks run. */
+/* The GL backend of ddof_render(): the described images go up to textures, through the solver, and back. Its own context
+ * is current only while it works, never while the caller's callbacks run. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "../image.h"
+#include "../staging.h"
 #include "device.h"
 #include "egl.h"
-
-enum { ROWS_AT_ONCE = 16 };
 
 /* The pictures on the GPU; kept between frames. */
 typedef struct gl_images {
@@ -29,31 +27,6 @@ typedef struct gl_backend {
     gl_images images;
     bool entered;
 } gl_backend;
-
-/* Scratch memory. */
-typedef struct staging {
-    float *pixels;  /* ROWS_AT_ONCE rows of RGBA */
-    float *map;     /* and of depth or CoC */
-    uint16_t *half; /* rows of RGBA */
-    float gain;     /* colours times this, a power of two, fill the range of half floats */
-} staging;
-
-static size_t line(size_t bytes) {
-    return (bytes + 63) / 64 * 64;
-}
-
-static size_t scratch_bytes(const ddof_context *ctx, const frame_job *job) {
-    const size_t n = (size_t)job->coc_source.width * ROWS_AT_ONCE;
-    (void)ctx;
-    return line(n * 16) + line(n * 4) + line(n * 8);
-}
-
-static staging lay_out(const frame_job *job, void *scratch) {
-    const size_t n = (size_t)job->coc_source.width * ROWS_AT_ONCE;
-    char *p = scratch;
-    return (staging){(float *)(void *)p, (float *)(void *)(p + line(n * 16)),
-                     (uint16_t *)(void *)(p + line(n * 16) + line(n * 4)), 1};
-}
 
 /* ---- the context */
 
@@ -191,72 +164,17 @@ static ddof_status make_images(ddof_context *ctx, gl_backend *b, int width, int 
     return status;
 }
 
-static bool finite(float v) {
-    return v - v == 0;
-}
-
-/* Loads rows y .. y + count - 1 as premultiplied RGBA and depth or CoC. */
-static void load_rows(const ddof_context *ctx, const frame_job *job, const staging *s, int y, int count) {
-    const ddof_image *color = &job->frame->color;
-    ddof_image in = *color;
-    const int width = in.width;
-    image_resolve(&in);
-    for (int r = 0; r < count; r++) {
-        span_load(&in, 0, y + r, width, s->pixels + (ptrdiff_t)r * width * 4, in.alpha == DDOF_ALPHA_STRAIGHT,
-                  ctx->kernels->pixels);
-        plane_load(&job->coc_source, 0, 0, y + r, width, s->map + (ptrdiff_t)r * width, ctx->kernels->pixels);
-    }
-}
-
-/* Whether a value of depth or CoC leaves its pixel without a CoC. */
-static bool unknown(const frame_job *job, float v) {
-    if (!job->is_depth) return !finite(v);
-    return isnan(v) || (job->curve.kind == DDOF_DEPTH_INVERSE && v == INFINITY);
-}
-
-/* Counts holes; their colours become infinities, which is how the shaders know them. */
-static int64_t mark_holes(const frame_job *job, const staging *s, ptrdiff_t count) {
-    int64_t holes = 0;
-    for (ptrdiff_t i = 0; i < count; i++) {
-        float *p = s->pixels + 4 * i;
-        const bool colored = finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]);
-        for (int c = 0; c < 4; c++)
-            p[c] = colored ? p[c] * s->gain : INFINITY;
-        holes += !colored || unknown(job, s->map[i]);
-    }
-    return holes;
-}
-
-/* Half floats reach from 6e-8 to 65504: a picture that is brighter, or very dark, is scaled by a power of two. */
-static float gain_for(const ddof_context *ctx, const frame_job *job, const staging *s) {
-    const int width = job->frame->color.width, height = job->frame->color.height;
-    float most = 0;
-    for (int y = 0; y < height; y++) {
-        load_rows(ctx, job, s, y, 1);
-        for (ptrdiff_t i = 0; i < (ptrdiff_t)width * 4; i++) {
-            const float v = fabsf(s->pixels[i]);
-            if (v > most && finite(v)) most = v;
-        }
-    }
-    if (most == 0 || (most <= 32768 && most >= 1.0f / 64)) return 1;
-    int exponent;
-    frexpf(most, &exponent);
-    return ldexpf(1, most > 32768 ? 15 - exponent : exponent < -120 ? 120 : -exponent);
-}
-
 static ddof_status upload(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s) {
     const gl_functions *f = &b->gl->f;
     const int width = b->images.width, height = b->images.height;
     const bool half = b->images.format == GL_RGBA16F;
     const ddof_solver solver =
         job->settings->solver == DDOF_SOLVER_DEFAULT ? DDOF_SOLVER_CR4_PACK : job->settings->solver;
-    if (half || solver_packs(solver)) s->gain = gain_for(ctx, job, s);
+    if (half || solver_packs(solver)) staging_find_gain(ctx, job, s);
     f->ActiveTexture(GL_TEXTURE0);
-    for (int y = 0; y < height; y += ROWS_AT_ONCE) {
-        const int rows = height - y < ROWS_AT_ONCE ? height - y : ROWS_AT_ONCE;
-        load_rows(ctx, job, s, y, rows);
-        job->nonfinite_pixels += mark_holes(job, s, (ptrdiff_t)rows * width);
-        if (half) ctx->kernels->pixels->float_to_half(s->pixels, s->half, rows * width * 4);
+    for (int y = 0; y < height; y += STAGING_ROWS) {
+        const int rows = height - y < STAGING_ROWS ? height - y : STAGING_ROWS;
+        staging_load(ctx, job, s, y, rows, half);
         f->BindTexture(GL_TEXTURE_2D, b->images.color);
         f->TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, rows, GL_RGBA, half ? GL_HALF_FLOAT : GL_FLOAT,
                          half ? (const void *)s->half : s->pixels);
@@ -282,19 +200,13 @@ static ddof_status read_rows(gl_backend *b, int y, int rows, float *pixels) {
 }
 
 static ddof_status download(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
-    const int width = b->images.width, height = b->images.height;
-    const bool straight = job->frame->color.alpha == DDOF_ALPHA_STRAIGHT;
-    ddof_image output = job->frame->output;
-    image_resolve(&output);
+    const int height = b->images.height;
     read_from(b, b->images.output);
-    for (int y = 0; y < height; y += ROWS_AT_ONCE) {
-        const int rows = height - y < ROWS_AT_ONCE ? height - y : ROWS_AT_ONCE;
+    for (int y = 0; y < height; y += STAGING_ROWS) {
+        const int rows = height - y < STAGING_ROWS ? height - y : STAGING_ROWS;
         ddof_status status = read_rows(b, y, rows, s->pixels);
         if (status != DDOF_OK) return status;
-        for (ptrdiff_t i = 0; s->gain != 1 && i < (ptrdiff_t)rows * width * 4; i++)
-            s->pixels[i] /= s->gain;
-        for (int r = 0; r < rows; r++)
-            span_store(&output, 0, y + r, width, s->pixels + (ptrdiff_t)r * width * 4, straight, ctx->kernels->pixels);
+        staging_store(ctx, job, s, y, rows);
         if (!progress(ctx, b, rows)) return DDOF_ERROR_CANCELLED;
     }
     return DDOF_OK;
@@ -330,10 +242,11 @@ static ddof_status diffuse_now(ddof_context *ctx, gl_backend *b, frame_job *job,
 
 static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
     gl_backend *b = ctx->device;
-    staging s = lay_out(job, scratch);
-    image_resolve(&job->coc_source);
+    staging s = staging_lay_out(job, scratch);
     ctx->progress_total = 2.0 * job->frame->color.height;
-    ddof_status status = ready(ctx, b);
+    ddof_status status = gl_check_solver(ctx, job->settings);
+    if (status != DDOF_OK) return status;
+    status = ready(ctx, b);
     if (status == DDOF_OK) status = diffuse_now(ctx, b, job, &s);
     leave(b);
     if (ctx->cancelled) return DDOF_ERROR_CANCELLED;
@@ -365,7 +278,7 @@ static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, con
         if ((status = read_rows(b, y, 1, s->pixels)) != DDOF_OK) return status;
         for (int x = 0; x < width; x++) {
             s->map[x] = s->pixels[(ptrdiff_t)x * 4];
-            job->nonfinite_pixels += !finite(s->map[x]);
+            job->nonfinite_pixels += !isfinite(s->map[x]);
         }
         plane_store(&output, 0, 0, y, width, s->map, ctx->kernels->pixels);
     }
@@ -374,8 +287,7 @@ static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, con
 
 static ddof_status gl_coc_stage(ddof_context *ctx, frame_job *job, void *scratch) {
     gl_backend *b = ctx->device;
-    const staging s = lay_out(job, scratch);
-    image_resolve(&job->coc_source);
+    const staging s = staging_lay_out(job, scratch);
     ctx->progress_total = job->coc_source.height;
     ddof_status status = ready(ctx, b);
     if (status == DDOF_OK) status = coc_now(ctx, b, job, &s);
@@ -393,9 +305,45 @@ static const char *gl_device(const ddof_context *ctx) {
     return b->gl ? b->gl->renderer : "";
 }
 
+/* ---- what there is */
+
+static void keep_text(void *user, ddof_log_level level, const char *text) {
+    ddof_device *d = user;
+    if (level == DDOF_LOG_ERROR) snprintf(d->refused, sizeof d->refused, "%s", text);
+}
+
+static void describe(ddof_device *d, const ddof_gl *gl) {
+    static const char *const software[] = {"llvmpipe", "softpipe", "swrast", "SwiftShader"};
+    const char *version = (const char *)gl->f.GetString(GL_VERSION);
+    snprintf(d->name, sizeof d->name, "%s", gl->renderer);
+    snprintf(d->driver, sizeof d->driver, "%s", version ? version : "");
+    for (size_t i = 0; i < sizeof software / sizeof *software; i++)
+        if (strstr(gl->renderer, software[i])) d->is_software = 1;
+    d->max_side = gl->max_size;
+}
+
+/* EGL picks the device, so there is at most one. */
+static int gl_list(ddof_device *devices, int capacity) {
+    egl_session egl;
+    ddof_gl *gl = NULL;
+    ddof_device d;
+    memset(&d, 0, sizeof d);
+    if (!egl_open(&egl, d.refused, sizeof d.refused)) return 0;
+    if (egl_enter(&egl, d.refused, sizeof d.refused)) {
+        const ddof_gl_config config = {
+            .get_proc = egl_get_proc, .get_proc_user = &egl, .log = keep_text, .log_user = &d};
+        if (ddof_gl_create(&gl, &config) == DDOF_OK) describe(&d, gl);
+        ddof_gl_destroy(&gl);
+        egl_leave(&egl);
+    }
+    egl_close(&egl);
+    if (capacity > 0) devices[0] = d;
+    return 1;
+}
+
 const backend backend_gl = {
     .id = DDOF_BACKEND_GL,
-    .scratch_bytes = scratch_bytes,
+    .scratch_bytes = staging_bytes,
     .coc = gl_coc_stage,
     .diffuse = gl_diffuse,
     .device = gl_device,
@@ -403,4 +351,5 @@ const backend backend_gl = {
     .close = gl_close,
     .trim = gl_trim,
     .surface_bytes = gl_device_bytes,
+    .list = gl_list,
 };

@@ -50,7 +50,10 @@ ddof_status gl_device_check(ddof_gl *gl);
 /* Forgets the errors that lie there already. */
 void gl_device_clear_errors(ddof_gl *gl);
 
-/* solver.c. State is the caller's to save. gl_solve: from frame->color to frame->output. gl_coc: frame->map to the
+/* solver.c. Whether GL has the solver that is asked for: DDOF_OK, or UNSUPPORTED, said to the owner. */
+ddof_status gl_check_solver(ddof_context *owner, const ddof_settings *settings);
+
+/* State is the caller's to save. gl_solve: from frame->color to frame->output. gl_coc: frame->map to the
  * output, of type R32F. */
 ddof_status gl_solve(ddof_gl *gl, const gl_frame *frame);
 ddof_status gl_coc(ddof_gl *gl, const gl_frame *frame);

@@ -10,8 +10,8 @@
 #include "shaders.h"
 
 static const char *const stage_file[GL_STAGES] = {
-    "gl/coc.glsl", "gl/construct.glsl", "gl/reduce.glsl",     "gl/initial_reduce4.glsl",
-    "gl/pcr.glsl", "gl/solve.glsl",     "gl/substitute.glsl", "gl/final_solve4.glsl",
+    "stages/coc.glsl", "stages/construct.glsl", "stages/reduce.glsl",     "stages/initial_reduce4.glsl",
+    "stages/pcr.glsl", "stages/solve.glsl",     "stages/substitute.glsl", "stages/final_solve4.glsl",
 };
 
 static const char *const uniform_name[GL_UNIFORMS] = {
@@ -78,11 +78,12 @@ static GLuint build(ddof_gl *gl, const gl_variant *v, ddof_status *status) {
                                    shader_text("include/coc.glsl"),
                                    shader_text("include/row.glsl"),
                                    shader_text("include/pack.glsl"),
+                                   shader_text("include/picture.glsl"),
                                    shader_text("gl/surfaces.glsl"),
                                    shader_text(name)};
     GLuint program = 0, fragment = 0,
            vertex = compile(gl, GL_VERTEX_SHADER, vertex_part, 2, "gl/triangle.glsl", status);
-    if (vertex) fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_part, 7, name, status);
+    if (vertex) fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_part, 8, name, status);
     if (fragment) program = link_program(gl, vertex, fragment, name, status);
     if (vertex) gl->f.DeleteShader(vertex);
     if (fragment) gl->f.DeleteShader(fragment);

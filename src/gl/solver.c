@@ -204,6 +204,13 @@ static void detach_output(ddof_gl *gl) {
     gl->f.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, 0, 0);
 }
 
+ddof_status gl_check_solver(ddof_context *owner, const ddof_settings *settings) {
+    if (settings->solver <= DDOF_SOLVER_CR_PCR) return DDOF_OK;
+    return context_fail(owner, DDOF_ERROR_UNSUPPORTED,
+                        "settings.solver is %d, which the GL backend does not have: give 1 to %d, or 0 for the best",
+                        (int)settings->solver, (int)DDOF_SOLVER_CR_PCR);
+}
+
 ddof_status gl_solve(ddof_gl *gl, const gl_frame *frame) {
     const gl_layout layout = gl_layout_make(frame->width, frame->height, gl->max_size, frame->settings);
     gl->draws = 0;

@@ -10,7 +10,8 @@
 
 #include <ddof/vulkan.h>
 
-/* Made by vulkan_open(), with all features enabled that ddof/vulkan.h names and the device has. */
+/* Made by vulkan_open(), with all features enabled that ddof/vulkan.h names and the device has. Not to be copied: `features`
+ * points into it. */
 typedef struct vulkan_session {
     void *library; /* of dlopen(), never closed: drivers do not all survive it */
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
@@ -22,6 +23,9 @@ typedef struct vulkan_session {
     VkQueue queue;
     VkPhysicalDeviceMemoryProperties memory;
     VkPhysicalDeviceProperties properties;
+    VkPhysicalDeviceFeatures2 features; /* what was enabled, for ddof_vulkan_config; its chain: */
+    VkPhysicalDeviceSynchronization2Features synchronization2;
+    VkPhysicalDeviceSubgroupSizeControlFeatures subgroup_size;
 } vulkan_session;
 
 /* The `index`-th device of vulkan_list(). False: `text` says why, and nothing is left open; *status is UNSUPPORTED, INVALID (no

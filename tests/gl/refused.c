@@ -56,7 +56,8 @@ static void invalid_frames(void **state) {
     f = good, f.coc.name = 0, f.depth = depth,
     refused(gl, &f, &(ddof_settings){.lens = {.focal_length = 50, .f_number = 2, .focus = DDOF_FOCUS_PIXEL}},
             DDOF_ERROR_INVALID, "focus");
-    refused(gl, &good, &(ddof_settings){.solver = (ddof_solver)7}, DDOF_ERROR_INVALID, "solver");
+    refused(gl, &good, &(ddof_settings){.solver = (ddof_solver)10}, DDOF_ERROR_INVALID, "solver");
+    refused(gl, &good, &(ddof_settings){.solver = DDOF_SOLVER_LINE}, DDOF_ERROR_UNSUPPORTED, "solver");
     refused(gl, &good, &(ddof_settings){.surface = (ddof_surface)3}, DDOF_ERROR_INVALID, "surface");
     refused(gl, &good, &(ddof_settings){.shared_chain = 2}, DDOF_ERROR_INVALID, "shared_chain");
     refused(gl, &good, &(ddof_settings){.substeps = 65}, DDOF_ERROR_INVALID, "substeps");

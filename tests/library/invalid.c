@@ -470,7 +470,10 @@ static void configs(void **state) {
         {{.release = release_nothing}, DDOF_ERROR_INVALID, "config.release"},
         {{.parallel_for = parallel_serial}, DDOF_ERROR_INVALID, "config.parallel_for"},
         {{.reserved = {1}}, DDOF_ERROR_INVALID, "config.reserved"},
-        {{.reserved = {0, 0, 0, 0, 0, 0, 0, 1}}, DDOF_ERROR_INVALID, "config.reserved"},
+        {{.reserved = {0, 0, 0, 0, 0, 0, 1}}, DDOF_ERROR_INVALID, "config.reserved"},
+        {{.reserved_int = 1}, DDOF_ERROR_INVALID, "config.reserved"},
+        {{.device = -1}, DDOF_ERROR_INVALID, "config.device"},
+        {{.device = 1}, DDOF_ERROR_INVALID, "config.device"},
         {{.allocate = refuse, .release = release_nothing}, DDOF_ERROR_MEMORY, "memory"},
     };
     (void)state;

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: MIT
 
 // PCR: every row without the neighbours `stride` away. With TO_ROWS 0 it is the last step: no row has neighbours any more.
+#ifndef VULKAN // there it lies in the push constants
 uniform int stride;
+#endif
 
 void main() {
     ivec2 at = target();

@@ -1,0 +1,156 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include "frame.h"
+
+#include <string.h>
+
+#include "passes.h"
+
+bool vulkan_format_is_float(VkFormat format) {
+    return format == VK_FORMAT_R32G32B32A32_SFLOAT || format == VK_FORMAT_R16G16B16A16_SFLOAT;
+}
+
+/* ---- views */
+
+static bool is_depth_format(VkFormat format) {
+    return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
+}
+
+/* A view restricted to one usage: the format may allow no other. */
+static ddof_status view(ddof_vulkan *vk, VkImage image, VkFormat format, uint32_t level, uint32_t layer,
+                        VkImageUsageFlags usage, VkImageView *made, const char *what) {
+    const VkImageViewUsageCreateInfo only = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO, .usage = usage};
+    const VkImageViewCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .pNext = &only,
+        .image = image,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D,
+        .format = format,
+        .subresourceRange = {is_depth_format(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, level, 1,
+                             layer, 1}};
+    return vulkan_device_check(vk, vk->f.CreateImageView(vk->config.device, &info, vk->allocator, made), what);
+}
+
+static ddof_status view_of_caller(ddof_vulkan *vk, const ddof_vulkan_image *i, VkImageUsageFlags usage, VkImageView *made,
+                                  const char *what) {
+    return view(vk, i->image, i->format, i->mip_level, i->array_layer, usage, made, what);
+}
+
+static ddof_status view_scratch(ddof_vulkan_frame *f, int image, vulkan_picture picture) {
+    ddof_vulkan *vk = f->vk;
+    ddof_status status = view(vk, f->scratch.image[image], f->work_format, 0, 0, VK_IMAGE_USAGE_SAMPLED_BIT,
+                              &f->sampled[picture], "viewing a scratch image");
+    if (status != DDOF_OK) return status;
+    return view(vk, f->scratch.image[image], f->work_format, 0, 0, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[picture],
+                "viewing a scratch image");
+}
+
+static ddof_status make_views(ddof_vulkan_frame *f) {
+    const ddof_vulkan_images *i = &f->images;
+    const vulkan_picture result = f->work_is_output ? PICTURE_WORK : PICTURE_OUTPUT;
+    ddof_vulkan *vk = f->vk;
+    ddof_status status = view_of_caller(vk, &i->color, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[PICTURE_COLOR],
+                                        "viewing images.color");
+    if (status == DDOF_OK)
+        status = view_of_caller(vk, f->is_depth ? &i->depth : &i->coc, VK_IMAGE_USAGE_SAMPLED_BIT, &f->map,
+                                f->is_depth ? "viewing images.depth" : "viewing images.coc");
+    if (status == DDOF_OK)
+        status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[result], "viewing images.output");
+    if (status == DDOF_OK && f->work_is_output)
+        status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[result],
+                                "viewing images.output");
+    if (status == DDOF_OK && f->scratch.image[0]) status = view_scratch(f, 0, PICTURE_ROWS);
+    if (status == DDOF_OK && f->scratch.image[1]) status = view_scratch(f, 1, PICTURE_WORK);
+    return status;
+}
+
+/* ---- descriptor sets */
+
+static void list_sets(ddof_vulkan_frame *f) {
+    const vulkan_picture result = f->work_is_output ? PICTURE_WORK : PICTURE_OUTPUT;
+    if (f->scratch.image[0]) {
+        f->set[f->sets++] = (vulkan_set){PICTURE_COLOR, PICTURE_ROWS, VK_NULL_HANDLE};
+        f->set[f->sets++] = (vulkan_set){PICTURE_WORK, PICTURE_ROWS, VK_NULL_HANDLE};
+        f->set[f->sets++] = (vulkan_set){PICTURE_ROWS, PICTURE_WORK, VK_NULL_HANDLE};
+        if (result != PICTURE_WORK) f->set[f->sets++] = (vulkan_set){PICTURE_ROWS, result, VK_NULL_HANDLE};
+    } else {
+        f->set[f->sets++] = (vulkan_set){PICTURE_COLOR, PICTURE_WORK, VK_NULL_HANDLE};
+        f->set[f->sets++] = (vulkan_set){PICTURE_WORK, PICTURE_WORK, VK_NULL_HANDLE};
+        if (result != PICTURE_WORK) f->set[f->sets++] = (vulkan_set){PICTURE_WORK, result, VK_NULL_HANDLE};
+    }
+}
+
+static void write_set(ddof_vulkan_frame *f, const vulkan_set *set) {
+    const ddof_vulkan_image *map = f->is_depth ? &f->images.depth : &f->images.coc;
+    const VkDescriptorImageInfo image[3] = {
+        {.imageView = f->sampled[set->from],
+         .imageLayout = set->from == PICTURE_COLOR ? f->images.color.layout : VK_IMAGE_LAYOUT_GENERAL},
+        {.imageView = f->map, .imageLayout = map->layout},
+        {.imageView = f->stored[set->to], .imageLayout = VK_IMAGE_LAYOUT_GENERAL}};
+    const VkDescriptorBufferInfo levels = {f->scratch.levels, 0, VK_WHOLE_SIZE};
+    VkWriteDescriptorSet write[VULKAN_BINDINGS];
+    for (uint32_t i = 0; i < VULKAN_BINDINGS; i++) {
+        write[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                          .dstSet = set->handle,
+                                          .dstBinding = i,
+                                          .descriptorCount = 1,
+                                          .descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
+        if (i == BIND_TARGET) write[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+        if (i <= BIND_TARGET) write[i].pImageInfo = &image[i];
+        if (i > BIND_TARGET) write[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        if (i > BIND_TARGET) write[i].pBufferInfo = &levels;
+    }
+    f->vk->f.UpdateDescriptorSets(f->vk->config.device, f->scratch.levels ? VULKAN_BINDINGS : BIND_LEVELS_IN, write, 0,
+                                  NULL);
+}
+
+static ddof_status make_sets(ddof_vulkan_frame *f) {
+    ddof_vulkan *vk = f->vk;
+    const uint32_t n = VULKAN_SETS;
+    const VkDescriptorPoolSize size[3] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 2 * n},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, n},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * n}};
+    const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .maxSets = n,
+                                             .poolSizeCount = 3,
+                                             .pPoolSizes = size};
+    list_sets(f);
+    ddof_status status =
+        vulkan_device_check(vk, vk->f.CreateDescriptorPool(vk->config.device, &pool, vk->allocator, &f->pool),
+                     "making a descriptor pool");
+    for (int i = 0; i < f->sets && status == DDOF_OK; i++) {
+        const VkDescriptorSetAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                  .descriptorPool = f->pool,
+                                                  .descriptorSetCount = 1,
+                                                  .pSetLayouts = &vk->set_layout};
+        status = vulkan_device_check(vk, vk->f.AllocateDescriptorSets(vk->config.device, &info, &f->set[i].handle),
+                              "making a descriptor set");
+        if (status == DDOF_OK) write_set(f, &f->set[i]);
+    }
+    return status;
+}
+
+/* ---- all of it */
+
+ddof_status vulkan_frame_make(ddof_vulkan_frame *f) {
+    ddof_status status = vulkan_scratch_make(f->vk, f);
+    if (status == DDOF_OK) status = vulkan_scratch_bind(f->vk, f);
+    if (status == DDOF_OK) status = make_views(f);
+    if (status == DDOF_OK) status = make_sets(f);
+    if (status == DDOF_OK) status = vulkan_passes_prepare(f);
+    if (status != DDOF_OK) vulkan_frame_delete(f);
+    return status;
+}
+
+void vulkan_frame_delete(ddof_vulkan_frame *f) {
+    ddof_vulkan *vk = f->vk;
+    const VkDevice device = vk->config.device;
+    if (f->pool) vk->f.DestroyDescriptorPool(device, f->pool, vk->allocator);
+    for (int i = 0; i < VULKAN_PICTURES; i++) {
+        if (f->sampled[i]) vk->f.DestroyImageView(device, f->sampled[i], vk->allocator);
+        if (f->stored[i]) vk->f.DestroyImageView(device, f->stored[i], vk->allocator);
+    }
+    if (f->map) vk->f.DestroyImageView(device, f->map, vk->allocator);
+    vulkan_scratch_delete(vk, &f->scratch);
+}

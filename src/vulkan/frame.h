@@ -1,0 +1,65 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* A frame object: views of the caller's images, scratch, descriptor sets, pipelines. */
+#ifndef DDOF_VULKAN_FRAME_H
+#define DDOF_VULKAN_FRAME_H
+
+#include "device.h"
+
+/* The pictures that passes read and write. WORK is what is under way after a direction; where the output can hold it, it is the
+ * output. ROWS: what a solver that reads neighbours' pixels has made of the rows. */
+typedef enum vulkan_picture { PICTURE_COLOR, PICTURE_ROWS, PICTURE_WORK, PICTURE_OUTPUT, VULKAN_PICTURES } vulkan_picture;
+
+/* From one picture to another. */
+typedef struct vulkan_set {
+    vulkan_picture from, to;
+    VkDescriptorSet handle;
+} vulkan_set;
+
+enum { VULKAN_SETS = 4, VULKAN_FRAME_PIPELINES = 32 };
+
+typedef struct vulkan_scratch {
+    VkImage image[2]; /* of ROWS, WORK; null: not needed */
+    VkBuffer levels;
+    VkDeviceSize image_offset[2], levels_offset, levels_bytes;
+    VkMemoryRequirements total; /* size 0: none is needed */
+    VkDeviceMemory memory;      /* the library's own, or null */
+} vulkan_scratch;
+
+struct ddof_vulkan_frame {
+    ddof_vulkan *vk;
+    ddof_context shell; /* for its error text */
+    ddof_vulkan_images images;
+    ddof_solver solver; /* that does it */
+    ddof_solver asked;  /* as the settings have it, never DEFAULT */
+    ddof_surface surface;
+    ddof_depth_kind depth_kind;
+    bool is_depth, in_place, alpha;
+    bool work_is_output;
+    VkFormat work_format; /* of ROWS and WORK */
+    int map_shift;
+    line_plan line[2]; /* along rows, along columns */
+    vulkan_scratch scratch;
+    VkImageView sampled[VULKAN_PICTURES], stored[VULKAN_PICTURES], map;
+    VkDescriptorPool pool;
+    vulkan_set set[VULKAN_SETS];
+    int sets;
+    vulkan_pipeline pipeline[VULKAN_FRAME_PIPELINES];
+    int pipelines;
+};
+
+/* frame.c. What the images say has been checked. On failure nothing is left, and vk's error is set. */
+ddof_status vulkan_frame_make(ddof_vulkan_frame *frame);
+void vulkan_frame_delete(ddof_vulkan_frame *frame);
+
+/* scratch.c: the objects of a frame, not bound, and what memory they need. On failure: vulkan_scratch_delete(). */
+ddof_status vulkan_scratch_make(ddof_vulkan *vk, ddof_vulkan_frame *frame);
+/* Binds them to the caller's memory or to memory of the library's own. */
+ddof_status vulkan_scratch_bind(ddof_vulkan *vk, ddof_vulkan_frame *frame);
+void vulkan_scratch_delete(ddof_vulkan *vk, vulkan_scratch *s);
+
+/* Whether one can be read and written in either direction as the intermediate. */
+bool vulkan_format_is_float(VkFormat format);
+
+#endif
