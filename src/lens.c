@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "limits.h"
+#include "coc_limits.h"
 
 static double sensor_width(const ddof_lens *lens) {
     return lens->sensor_width > 0 ? lens->sensor_width : 36;

@@ -8,7 +8,7 @@
 
 #include "context.h"
 #include "image.h"
-#include "limits.h"
+#include "coc_limits.h"
 
 typedef struct planes {
     int width, height, channels;

@@ -13,7 +13,7 @@ uniform vec2 lens_limit;   // far, near; pixels
 #endif
 
 const float NO_COC = 2e5;    // a pixel whose CoC is not known
-const float COC_LIMIT = 1e5; // as in src/limits.h
+const float COC_LIMIT = 1e5; // as in src/coc_limits.h
 const float BETA_FLOOR = 1e-20;
 
 bool is_finite(float v) {

@@ -8,7 +8,7 @@
 #ifndef DDOF_CPU_CONDUCTANCE_H
 #define DDOF_CPU_CONDUCTANCE_H
 
-#include "../limits.h"
+#include "../coc_limits.h"
 #include "vec.h"
 
 /* |d|, limited; what is not a number counts as the limit: such a pixel is a hole and leaves the decision to its

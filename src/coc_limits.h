@@ -2,8 +2,8 @@
  * SPDX-License-Identifier: MIT */
 
 /* The numbers on which all CPU backends must agree. */
-#ifndef DDOF_LIMITS_H
-#define DDOF_LIMITS_H
+#ifndef DDOF_COC_LIMITS_H
+#define DDOF_COC_LIMITS_H
 
 #define COC_LIMIT 1e5 /* pixels; beyond it a picture is one colour anyway, and float32 still holds every step */
 
