@@ -8,14 +8,17 @@
 
 ddof_status vulkan_device_check(ddof_vulkan *vk, VkResult result, const char *what) {
     switch (result) {
-    case VK_SUCCESS: return DDOF_OK;
+    case VK_SUCCESS:
+        return DDOF_OK;
     case VK_ERROR_OUT_OF_HOST_MEMORY:
         return context_fail(&vk->shell, DDOF_ERROR_MEMORY, "%s: Vulkan (%s) is out of host memory", what, vk->name);
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
         return context_fail(&vk->shell, DDOF_ERROR_DEVICE,
-                            "%s: the device (%s) is out of memory; free some, or render a smaller picture", what, vk->name);
+                            "%s: the device (%s) is out of memory; free some, or render a smaller picture", what,
+                            vk->name);
     case VK_ERROR_DEVICE_LOST:
-        return context_fail(&vk->shell, DDOF_ERROR_DEVICE, "%s: the device (%s) was lost; make another", what, vk->name);
+        return context_fail(&vk->shell, DDOF_ERROR_DEVICE, "%s: the device (%s) was lost; make another", what,
+                            vk->name);
     default:
         return context_fail(&vk->shell, DDOF_ERROR_DEVICE, "%s: Vulkan (%s) answers with error %d", what, vk->name,
                             (int)result);
@@ -56,7 +59,8 @@ static void read_feature(const VkBaseInStructure *s, enabled *e) {
         e->subgroup_size |= f->subgroupSizeControl && f->computeFullSubgroups;
         break;
     }
-    default: break;
+    default:
+        break;
     }
 }
 
@@ -64,7 +68,8 @@ static enabled read_features(const VkPhysicalDeviceFeatures2 *features) {
     enabled e = {features == NULL, features == NULL, false};
     if (!features) return e;
     e.write_without_format = features->features.shaderStorageImageWriteWithoutFormat;
-    for (const VkBaseInStructure *s = features->pNext; s; s = s->pNext) read_feature(s, &e);
+    for (const VkBaseInStructure *s = features->pNext; s; s = s->pNext)
+        read_feature(s, &e);
     return e;
 }
 
@@ -102,9 +107,10 @@ static void look_at_device(ddof_vulkan *vk, const enabled *e) {
     vk->limits = p.limits;
     memcpy(vk->name, p.deviceName, sizeof vk->name);
     vk->name[sizeof vk->name - 1] = 0;
-    vk->line = (line_limits){.workgroup = least(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]),
-                             .shared_bytes = least(p.limits.maxComputeSharedMemorySize, 1 << 20),
-                             .subgroup = 1};
+    vk->line =
+        (line_limits){.workgroup = least(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]),
+                      .shared_bytes = least(p.limits.maxComputeSharedMemorySize, 1 << 20),
+                      .subgroup = 1};
     if (vk->line.workgroup > 1024) vk->line.workgroup = 1024; /* more would leave too few registers to a thread */
     if (e->subgroup_size) look_at_subgroups(vk);
 }
@@ -121,7 +127,8 @@ static const char *missing(ddof_vulkan *vk, const enabled *e) {
     if (!e->synchronization2)
         return "config.features: synchronization2 is not enabled; enable it when the device is made";
     if (!e->write_without_format)
-        return "config.features: shaderStorageImageWriteWithoutFormat is not enabled; enable it when the device is made";
+        return "config.features: shaderStorageImageWriteWithoutFormat is not enabled; enable it when the device is "
+               "made";
     if (!family_computes(vk)) return "config.queue_family: there is no such family with compute on this device";
     return NULL;
 }
@@ -180,7 +187,8 @@ static ddof_status set_up(ddof_vulkan *vk) {
     const char *name = vulkan_functions_load(&vk->f, c->get_instance_proc_addr, c->instance, c->device);
     if (name)
         return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "Vulkan has no %s here: instance and device must be of Vulkan 1.1, with synchronization2", name);
+                            "Vulkan has no %s here: instance and device must be of Vulkan 1.1, with synchronization2",
+                            name);
     look_at_device(vk, &e);
     vk->config.features = NULL;
     const char *wrong = missing(vk, &e);

@@ -1,9 +1,9 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What a ddof_vulkan and a ddof_vulkan_frame hold. The parts: functions (of Vulkan), modules and pipelines (the shaders), device
- * (what all frames share), line (how LINE cuts lines), frame (images, scratch, descriptor sets), passes (the method),
- * interop (ddof/vulkan.h), and for the backend of ddof_render() loader and backend. */
+/* What a ddof_vulkan and a ddof_vulkan_frame hold. The parts: functions (of Vulkan), modules and pipelines (the
+ * shaders), device (what all frames share), line (how LINE cuts lines), frame (images, scratch, descriptor sets),
+ * passes (the method), interop (ddof/vulkan.h), and for the backend of ddof_render() loader and backend. */
 #ifndef DDOF_VULKAN_DEVICE_H
 #define DDOF_VULKAN_DEVICE_H
 

@@ -32,8 +32,8 @@ static ddof_status view(ddof_vulkan *vk, VkImage image, VkFormat format, uint32_
     return vulkan_device_check(vk, vk->f.CreateImageView(vk->config.device, &info, vk->allocator, made), what);
 }
 
-static ddof_status view_of_caller(ddof_vulkan *vk, const ddof_vulkan_image *i, VkImageUsageFlags usage, VkImageView *made,
-                                  const char *what) {
+static ddof_status view_of_caller(ddof_vulkan *vk, const ddof_vulkan_image *i, VkImageUsageFlags usage,
+                                  VkImageView *made, const char *what) {
     return view(vk, i->image, i->format, i->mip_level, i->array_layer, usage, made, what);
 }
 
@@ -50,16 +50,17 @@ static ddof_status make_views(ddof_vulkan_frame *f) {
     const ddof_vulkan_images *i = &f->images;
     const vulkan_picture result = f->work_is_output ? PICTURE_WORK : PICTURE_OUTPUT;
     ddof_vulkan *vk = f->vk;
-    ddof_status status = view_of_caller(vk, &i->color, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[PICTURE_COLOR],
-                                        "viewing images.color");
+    ddof_status status =
+        view_of_caller(vk, &i->color, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[PICTURE_COLOR], "viewing images.color");
     if (status == DDOF_OK)
         status = view_of_caller(vk, f->is_depth ? &i->depth : &i->coc, VK_IMAGE_USAGE_SAMPLED_BIT, &f->map,
                                 f->is_depth ? "viewing images.depth" : "viewing images.coc");
     if (status == DDOF_OK)
-        status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[result], "viewing images.output");
+        status =
+            view_of_caller(vk, &i->output, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[result], "viewing images.output");
     if (status == DDOF_OK && f->work_is_output)
-        status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[result],
-                                "viewing images.output");
+        status =
+            view_of_caller(vk, &i->output, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[result], "viewing images.output");
     if (status == DDOF_OK && f->scratch.image[0]) status = view_scratch(f, 0, PICTURE_ROWS);
     if (status == DDOF_OK && f->scratch.image[1]) status = view_scratch(f, 1, PICTURE_WORK);
     return status;
@@ -111,21 +112,18 @@ static ddof_status make_sets(ddof_vulkan_frame *f) {
     const VkDescriptorPoolSize size[3] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 2 * n},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, n},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * n}};
-    const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                             .maxSets = n,
-                                             .poolSizeCount = 3,
-                                             .pPoolSizes = size};
+    const VkDescriptorPoolCreateInfo pool = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = n, .poolSizeCount = 3, .pPoolSizes = size};
     list_sets(f);
-    ddof_status status =
-        vulkan_device_check(vk, vk->f.CreateDescriptorPool(vk->config.device, &pool, vk->allocator, &f->pool),
-                     "making a descriptor pool");
+    ddof_status status = vulkan_device_check(
+        vk, vk->f.CreateDescriptorPool(vk->config.device, &pool, vk->allocator, &f->pool), "making a descriptor pool");
     for (int i = 0; i < f->sets && status == DDOF_OK; i++) {
         const VkDescriptorSetAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                                   .descriptorPool = f->pool,
                                                   .descriptorSetCount = 1,
                                                   .pSetLayouts = &vk->set_layout};
         status = vulkan_device_check(vk, vk->f.AllocateDescriptorSets(vk->config.device, &info, &f->set[i].handle),
-                              "making a descriptor set");
+                                     "making a descriptor set");
         if (status == DDOF_OK) write_set(f, &f->set[i]);
     }
     return status;

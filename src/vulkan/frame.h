@@ -7,9 +7,15 @@
 
 #include "device.h"
 
-/* The pictures that passes read and write. WORK is what is under way after a direction; where the output can hold it, it is the
- * output. ROWS: what a solver that reads neighbours' pixels has made of the rows. */
-typedef enum vulkan_picture { PICTURE_COLOR, PICTURE_ROWS, PICTURE_WORK, PICTURE_OUTPUT, VULKAN_PICTURES } vulkan_picture;
+/* The pictures that passes read and write. WORK is what is under way after a direction; where the output can hold it,
+ * it is the output. ROWS: what a solver that reads neighbours' pixels has made of the rows. */
+typedef enum vulkan_picture {
+    PICTURE_COLOR,
+    PICTURE_ROWS,
+    PICTURE_WORK,
+    PICTURE_OUTPUT,
+    VULKAN_PICTURES
+} vulkan_picture;
 
 /* From one picture to another. */
 typedef struct vulkan_set {

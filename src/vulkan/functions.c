@@ -15,13 +15,13 @@ static PFN_vkVoidFunction of_device(const vulkan_functions *f, VkDevice device, 
 
 const char *vulkan_functions_load(vulkan_functions *f, PFN_vkGetInstanceProcAddr get, VkInstance instance,
                                   VkDevice device) {
-#define X(name)                                           \
-    f->name = (PFN_vk##name)get(instance, "vk" #name);    \
+#define X(name)                                                                                                        \
+    f->name = (PFN_vk##name)get(instance, "vk" #name);                                                                 \
     if (!f->name) return "vk" #name;
     VULKAN_INSTANCE_FUNCTIONS(X)
 #undef X
-#define X(name)                                                    \
-    f->name = (PFN_vk##name)of_device(f, device, "vk" #name);      \
+#define X(name)                                                                                                        \
+    f->name = (PFN_vk##name)of_device(f, device, "vk" #name);                                                          \
     if (!f->name) return "vk" #name;
     VULKAN_DEVICE_FUNCTIONS(X)
 #undef X

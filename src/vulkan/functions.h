@@ -9,47 +9,47 @@
 
 #include <ddof/vulkan.h>
 
-#define VULKAN_INSTANCE_FUNCTIONS(X) \
-    X(GetDeviceProcAddr)             \
-    X(GetPhysicalDeviceFeatures2)    \
-    X(GetPhysicalDeviceFormatProperties) \
-    X(GetPhysicalDeviceMemoryProperties) \
-    X(GetPhysicalDeviceProperties)   \
-    X(GetPhysicalDeviceProperties2)  \
+#define VULKAN_INSTANCE_FUNCTIONS(X)                                                                                   \
+    X(GetDeviceProcAddr)                                                                                               \
+    X(GetPhysicalDeviceFeatures2)                                                                                      \
+    X(GetPhysicalDeviceFormatProperties)                                                                               \
+    X(GetPhysicalDeviceMemoryProperties)                                                                               \
+    X(GetPhysicalDeviceProperties)                                                                                     \
+    X(GetPhysicalDeviceProperties2)                                                                                    \
     X(GetPhysicalDeviceQueueFamilyProperties)
 
-#define VULKAN_DEVICE_FUNCTIONS(X) \
-    X(AllocateDescriptorSets)      \
-    X(AllocateMemory)              \
-    X(BindBufferMemory)            \
-    X(BindImageMemory)             \
-    X(CmdBindDescriptorSets)       \
-    X(CmdBindPipeline)             \
-    X(CmdDispatch)                 \
-    X(CmdPipelineBarrier2)         \
-    X(CmdPushConstants)            \
-    X(CreateBuffer)                \
-    X(CreateComputePipelines)      \
-    X(CreateDescriptorPool)        \
-    X(CreateDescriptorSetLayout)   \
-    X(CreateImage)                 \
-    X(CreateImageView)             \
-    X(CreatePipelineCache)         \
-    X(CreatePipelineLayout)        \
-    X(CreateShaderModule)          \
-    X(DestroyBuffer)               \
-    X(DestroyDescriptorPool)       \
-    X(DestroyDescriptorSetLayout)  \
-    X(DestroyImage)                \
-    X(DestroyImageView)            \
-    X(DestroyPipeline)             \
-    X(DestroyPipelineCache)        \
-    X(DestroyPipelineLayout)       \
-    X(DestroyShaderModule)         \
-    X(FreeMemory)                  \
-    X(GetBufferMemoryRequirements) \
-    X(GetImageMemoryRequirements)  \
-    X(GetPipelineCacheData)        \
+#define VULKAN_DEVICE_FUNCTIONS(X)                                                                                     \
+    X(AllocateDescriptorSets)                                                                                          \
+    X(AllocateMemory)                                                                                                  \
+    X(BindBufferMemory)                                                                                                \
+    X(BindImageMemory)                                                                                                 \
+    X(CmdBindDescriptorSets)                                                                                           \
+    X(CmdBindPipeline)                                                                                                 \
+    X(CmdDispatch)                                                                                                     \
+    X(CmdPipelineBarrier2)                                                                                             \
+    X(CmdPushConstants)                                                                                                \
+    X(CreateBuffer)                                                                                                    \
+    X(CreateComputePipelines)                                                                                          \
+    X(CreateDescriptorPool)                                                                                            \
+    X(CreateDescriptorSetLayout)                                                                                       \
+    X(CreateImage)                                                                                                     \
+    X(CreateImageView)                                                                                                 \
+    X(CreatePipelineCache)                                                                                             \
+    X(CreatePipelineLayout)                                                                                            \
+    X(CreateShaderModule)                                                                                              \
+    X(DestroyBuffer)                                                                                                   \
+    X(DestroyDescriptorPool)                                                                                           \
+    X(DestroyDescriptorSetLayout)                                                                                      \
+    X(DestroyImage)                                                                                                    \
+    X(DestroyImageView)                                                                                                \
+    X(DestroyPipeline)                                                                                                 \
+    X(DestroyPipelineCache)                                                                                            \
+    X(DestroyPipelineLayout)                                                                                           \
+    X(DestroyShaderModule)                                                                                             \
+    X(FreeMemory)                                                                                                      \
+    X(GetBufferMemoryRequirements)                                                                                     \
+    X(GetImageMemoryRequirements)                                                                                      \
+    X(GetPipelineCacheData)                                                                                            \
     X(UpdateDescriptorSets)
 
 typedef struct vulkan_functions {

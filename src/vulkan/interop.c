@@ -33,7 +33,8 @@ static const char *wrong_config(const ddof_vulkan_config *c) {
     if (!c->get_instance_proc_addr)
         return "config.get_instance_proc_addr is NULL: how are Vulkan's functions to be found?";
     if (!c->allocate != !c->release) return "config.allocate and config.release must both be given, or neither";
-    if (c->pipeline_cache_size && !c->pipeline_cache) return "config.pipeline_cache_size is not 0 but there are no data";
+    if (c->pipeline_cache_size && !c->pipeline_cache)
+        return "config.pipeline_cache_size is not 0 but there are no data";
     if (!RESERVED_ZERO(c)) return "config.reserved must be 0";
     return NULL;
 }
@@ -76,26 +77,38 @@ ddof_status ddof_vulkan_pipeline_cache(ddof_vulkan *vk, void *data, size_t *size
     if (!size) return context_fail(&vk->shell, DDOF_ERROR_INVALID, "size is NULL");
     const VkResult result = vk->f.GetPipelineCacheData(vk->config.device, vk->pipeline_cache, size, data);
     if (result == VK_INCOMPLETE)
-        return context_fail(&vk->shell, DDOF_ERROR_INVALID, "there is too little room: ask for the size with data NULL");
+        return context_fail(&vk->shell, DDOF_ERROR_INVALID,
+                            "there is too little room: ask for the size with data NULL");
     return vulkan_device_check(vk, result, "reading the pipeline cache");
 }
 
 /* ---- formats */
 
-static const VkFormat color_formats[] = {
-    VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_B10G11R11_UFLOAT_PACK32,
-    VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_R8G8B8A8_UNORM,
-    VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB, 0};
+static const VkFormat color_formats[] = {VK_FORMAT_R32G32B32A32_SFLOAT,
+                                         VK_FORMAT_R16G16B16A16_SFLOAT,
+                                         VK_FORMAT_B10G11R11_UFLOAT_PACK32,
+                                         VK_FORMAT_E5B9G9R9_UFLOAT_PACK32,
+                                         VK_FORMAT_A2B10G10R10_UNORM_PACK32,
+                                         VK_FORMAT_R8G8B8A8_UNORM,
+                                         VK_FORMAT_R8G8B8A8_SRGB,
+                                         VK_FORMAT_B8G8R8A8_UNORM,
+                                         VK_FORMAT_B8G8R8A8_SRGB,
+                                         0};
 static const VkFormat depth_formats[] = {
-    VK_FORMAT_D16_UNORM, VK_FORMAT_X8_D24_UNORM_PACK32, VK_FORMAT_D24_UNORM_S8_UINT, VK_FORMAT_D32_SFLOAT,
-    VK_FORMAT_D32_SFLOAT_S8_UINT, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT, 0};
+    VK_FORMAT_D16_UNORM,          VK_FORMAT_X8_D24_UNORM_PACK32, VK_FORMAT_D24_UNORM_S8_UINT, VK_FORMAT_D32_SFLOAT,
+    VK_FORMAT_D32_SFLOAT_S8_UINT, VK_FORMAT_R32_SFLOAT,          VK_FORMAT_R16_SFLOAT,        0};
 static const VkFormat coc_formats[] = {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT, 0};
-static const VkFormat output_formats[] = {
-    VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_B10G11R11_UFLOAT_PACK32,
-    VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_UNORM, 0};
+static const VkFormat output_formats[] = {VK_FORMAT_R32G32B32A32_SFLOAT,
+                                          VK_FORMAT_R16G16B16A16_SFLOAT,
+                                          VK_FORMAT_B10G11R11_UFLOAT_PACK32,
+                                          VK_FORMAT_A2B10G10R10_UNORM_PACK32,
+                                          VK_FORMAT_R8G8B8A8_UNORM,
+                                          VK_FORMAT_B8G8R8A8_UNORM,
+                                          0};
 
 static bool listed(const VkFormat *list, VkFormat format) {
-    while (*list && *list != format) list++;
+    while (*list && *list != format)
+        list++;
     return *list != 0;
 }
 
@@ -121,11 +134,14 @@ static bool layout_allowed(VkFormat format, VkImageLayout layout) {
     switch (layout) {
     case VK_IMAGE_LAYOUT_GENERAL:
     case VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL:
-    case VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL: return true;
+    case VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL:
+        return true;
     case VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL:
     case VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL:
-    case VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL: return depth;
-    default: return false;
+    case VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL:
+        return depth;
+    default:
+        return false;
     }
 }
 
@@ -137,22 +153,23 @@ static ddof_status check_image(ddof_vulkan *vk, ddof_vulkan_image *i, const char
         return context_fail(shell, DDOF_ERROR_INVALID,
                             "images.%s: VkFormat %d is none of those that ddof/vulkan.h lists for it", name, i->format);
     if (!has_feature(vk, i->format, feature))
-        return context_fail(shell, DDOF_ERROR_UNSUPPORTED, "images.%s: this device (%s) cannot %s VkFormat %d", name, vk->name,
-                            feature & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT ? "store to" : "sample", i->format);
+        return context_fail(shell, DDOF_ERROR_UNSUPPORTED, "images.%s: this device (%s) cannot %s VkFormat %d", name,
+                            vk->name, feature & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT ? "store to" : "sample", i->format);
     if (made && !i->image) return context_fail(shell, DDOF_ERROR_INVALID, "images.%s.image is VK_NULL_HANDLE", name);
     if (i->width < 1 || i->height < 1)
         return context_fail(shell, DDOF_ERROR_INVALID, "images.%s is %u x %u texels: each side must be above 0", name,
                             i->width, i->height);
     if (i->width > vk->limits.maxImageDimension2D || i->height > vk->limits.maxImageDimension2D)
-        return context_fail(shell, DDOF_ERROR_UNSUPPORTED, "images.%s is %u x %u texels, but this device (%s) allows %u", name,
-                            i->width, i->height, vk->name, vk->limits.maxImageDimension2D);
+        return context_fail(shell, DDOF_ERROR_UNSUPPORTED,
+                            "images.%s is %u x %u texels, but this device (%s) allows %u", name, i->width, i->height,
+                            vk->name, vk->limits.maxImageDimension2D);
     if (i->usage && (i->usage & usage) != usage)
         return context_fail(shell, DDOF_ERROR_INVALID, "images.%s.usage must have%s%s", name,
                             usage & VK_IMAGE_USAGE_STORAGE_BIT ? " VK_IMAGE_USAGE_STORAGE_BIT" : "",
                             usage & VK_IMAGE_USAGE_SAMPLED_BIT ? " VK_IMAGE_USAGE_SAMPLED_BIT" : "");
     if (i->layout && !layout_allowed(i->format, i->layout))
-        return context_fail(shell, DDOF_ERROR_INVALID, "images.%s.layout %d is none that ddof/vulkan.h lists for it", name,
-                            i->layout);
+        return context_fail(shell, DDOF_ERROR_INVALID, "images.%s.layout %d is none that ddof/vulkan.h lists for it",
+                            name, i->layout);
     if (!i->layout)
         i->layout = i->format >= VK_FORMAT_D16_UNORM && i->format <= VK_FORMAT_D32_SFLOAT_S8_UINT
                         ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
@@ -172,9 +189,10 @@ static ddof_status check_map(ddof_vulkan *vk, ddof_vulkan_frame *f) {
     else if (map->width == (color->width + 1) / 2 && map->height == (color->height + 1) / 2)
         f->map_shift = 1;
     else
-        return context_fail(&vk->shell, DDOF_ERROR_INVALID,
-                            "images.%s is %u x %u texels: it must have the size of images.color, %u x %u, or half of it",
-                            f->is_depth ? "depth" : "coc", map->width, map->height, color->width, color->height);
+        return context_fail(
+            &vk->shell, DDOF_ERROR_INVALID,
+            "images.%s is %u x %u texels: it must have the size of images.color, %u x %u, or half of it",
+            f->is_depth ? "depth" : "coc", map->width, map->height, color->width, color->height);
     return DDOF_OK;
 }
 
@@ -187,8 +205,9 @@ static ddof_status check_output(ddof_vulkan *vk, ddof_vulkan_frame *f, bool made
         check_image(vk, out, "output", output_formats, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, usage, made);
     if (status != DDOF_OK) return status;
     if (out->width != i->color.width || out->height != i->color.height)
-        return context_fail(&vk->shell, DDOF_ERROR_INVALID, "images.output is %u x %u but images.color is %u x %u texels",
-                            out->width, out->height, i->color.width, i->color.height);
+        return context_fail(&vk->shell, DDOF_ERROR_INVALID,
+                            "images.output is %u x %u but images.color is %u x %u texels", out->width, out->height,
+                            i->color.width, i->color.height);
     f->in_place = same_subresource(out, &i->color);
     if (f->in_place && out->format != i->color.format)
         return context_fail(&vk->shell, DDOF_ERROR_INVALID,
@@ -216,7 +235,8 @@ static ddof_status choose_solver(ddof_vulkan *vk, ddof_vulkan_frame *f, const dd
         const bool whole = f->solver == DDOF_SOLVER_LINE;
         if (line_plan_make(&f->line[i], &vk->line, whole ? length[i] : SHORT, i ? STRIP : 1)) continue;
         if (!whole)
-            return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "this device (%s) has too small workgroups", vk->name);
+            return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "this device (%s) has too small workgroups",
+                                vk->name);
         context_log(&vk->shell, DDOF_LOG_WARNING,
                     "lines of %d pixels are too long for the solver LINE on this device (%s): PCR3_SWEEP does the work",
                     length[i], vk->name);
@@ -229,8 +249,7 @@ static ddof_status choose_solver(ddof_vulkan *vk, ddof_vulkan_frame *f, const dd
 static void choose_work(ddof_vulkan_frame *f) {
     const VkFormat out = f->images.output.format;
     const bool exact = f->surface == DDOF_SURFACE_RGBA32F;
-    f->work_is_output =
-        out == VK_FORMAT_R32G32B32A32_SFLOAT || (out == VK_FORMAT_R16G16B16A16_SFLOAT && !exact);
+    f->work_is_output = out == VK_FORMAT_R32G32B32A32_SFLOAT || (out == VK_FORMAT_R16G16B16A16_SFLOAT && !exact);
     f->work_format = f->work_is_output ? out : exact ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
@@ -285,8 +304,10 @@ static ddof_status describe(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_vu
     if (status == DDOF_OK)
         status = check_image(vk, &f->images.color, "color", color_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made);
     if (status == DDOF_OK)
-        status = f->is_depth ? check_image(vk, &f->images.depth, "depth", depth_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made)
-                             : check_image(vk, &f->images.coc, "coc", coc_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made);
+        status =
+            f->is_depth
+                ? check_image(vk, &f->images.depth, "depth", depth_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made)
+                : check_image(vk, &f->images.coc, "coc", coc_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made);
     if (status == DDOF_OK) status = check_map(vk, f);
     if (status != DDOF_OK) return status;
     choose_work(f);
@@ -349,8 +370,8 @@ static ddof_status check_region(ddof_vulkan_frame *f, const ddof_vulkan_view *v,
     if (!v->width && !v->height && !v->x && !v->y) return DDOF_OK;
     if (v->width < 1 || v->height < 1 || v->x < 0 || v->y < 0 || v->width > width || v->height > height ||
         v->x > width - v->width || v->y > height - v->height)
-        return context_fail(&f->shell, DDOF_ERROR_INVALID, "view %d,%d %dx%d is no part of the %d x %d image", v->x, v->y,
-                            v->width, v->height, width, height);
+        return context_fail(&f->shell, DDOF_ERROR_INVALID, "view %d,%d %dx%d is no part of the %d x %d image", v->x,
+                            v->y, v->width, v->height, width, height);
     if (f->map_shift && (v->x | v->y) & 1)
         return context_fail(&f->shell, DDOF_ERROR_INVALID,
                             "view.x, y = %d, %d must be even: %s has half the size of the colour", v->x, v->y,
@@ -365,7 +386,7 @@ static ddof_status check_same(ddof_vulkan_frame *f, const ddof_settings *s) {
     if (solver != f->asked || surface != f->surface || (f->is_depth && s->depth.kind != f->depth_kind))
         return context_fail(&f->shell, DDOF_ERROR_INVALID,
                             "settings.%s is not what the frame object was made with: make another for it",
-                            solver != f->asked       ? "solver"
+                            solver != f->asked      ? "solver"
                             : surface != f->surface ? "surface"
                                                     : "depth.kind");
     if (f->is_depth && s->lens.focus != DDOF_FOCUS_DISTANCE)

@@ -9,10 +9,10 @@
 
 /* What the device offers. */
 typedef struct line_limits {
-    int workgroup;    /* most threads, in one dimension */
+    int workgroup; /* most threads, in one dimension */
     int shared_bytes;
-    int subgroup;     /* size that can be asked for, with shuffles; 1: none */
-    int subgroups;    /* most in a workgroup */
+    int subgroup;  /* size that can be asked for, with shuffles; 1: none */
+    int subgroups; /* most in a workgroup */
 } line_limits;
 
 typedef struct line_plan {

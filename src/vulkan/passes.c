@@ -83,13 +83,13 @@ static VkDescriptorSet find_set(const direction *d) {
 
 static void barrier(const ddof_vulkan_frame *f, VkCommandBuffer commands, const VkImageMemoryBarrier2 *image,
                     uint32_t images) {
-    const VkMemoryBarrier2 memory = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-        .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-        .srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-        .dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-        .dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
-                         VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
+    const VkMemoryBarrier2 memory = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                     .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                     .srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                                     .dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                     .dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT |
+                                                      VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
+                                                      VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
     const VkDependencyInfo info = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                                    .memoryBarrierCount = 1,
                                    .pMemoryBarriers = &memory,
@@ -155,7 +155,8 @@ static void pcr(direction *d) {
     const uint32_t words = (uint32_t)d->length * (uint32_t)d->push.lines * ROW_WORDS;
     uint32_t table[2] = {0, words};
     int last = 1; /* stride of the last step, which writes the unknowns */
-    while (2 * last < d->length) last *= 2;
+    while (2 * last < d->length)
+        last *= 2;
     d->push.rows_at = pcr_steps(d, last, table);
     d->push.stride = last;
     level_pass(d, MODULE_PCR_LAST, d->length);
@@ -329,28 +330,26 @@ static void begin(const ddof_vulkan_frame *f, VkCommandBuffer commands) {
     uint32_t images = 0;
     for (int i = 0; i < 2; i++)
         if (f->scratch.image[i])
-            image[images++] = (VkImageMemoryBarrier2){
-                .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                .srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-                .dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                .dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-                .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-                .newLayout = VK_IMAGE_LAYOUT_GENERAL,
-                .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                .image = f->scratch.image[i],
-                .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+            image[images++] = (VkImageMemoryBarrier2){.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+                                                      .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                                      .srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                                                      .dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                                      .dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT |
+                                                                       VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                                                      .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+                                                      .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+                                                      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                                      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                                      .image = f->scratch.image[i],
+                                                      .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
     if (f->scratch.total.size) barrier(f, commands, image, images);
 }
 
 int vulkan_passes_record(const ddof_vulkan_frame *frame, VkCommandBuffer commands, const frame_job *job,
                          const vulkan_region *region) {
     int dispatches = 0;
-    direction d = {.frame = frame,
-                   .commands = commands,
-                   .push = push_of(frame, job, region),
-                   .dispatches = &dispatches};
+    direction d = {
+        .frame = frame, .commands = commands, .push = push_of(frame, job, region), .dispatches = &dispatches};
     begin(frame, commands);
     substeps(&d, job, region);
     return dispatches;

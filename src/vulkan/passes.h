@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The method, pass by pass: along rows from the colour to the image under way, along columns from there to the output. */
+/* The method, pass by pass: along rows from the colour to the image under way, along columns from there to the output.
+ */
 #ifndef DDOF_VULKAN_PASSES_H
 #define DDOF_VULKAN_PASSES_H
 

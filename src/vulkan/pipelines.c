@@ -12,14 +12,16 @@ static VkShaderModule make_module(ddof_vulkan *vk, vulkan_module module, ddof_st
     const VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->bytes, .pCode = code->word};
     VkShaderModule made = VK_NULL_HANDLE;
-    *status = vulkan_device_check(vk, vk->f.CreateShaderModule(vk->config.device, &info, vk->allocator, &made), code->name);
+    *status =
+        vulkan_device_check(vk, vk->f.CreateShaderModule(vk->config.device, &info, vk->allocator, &made), code->name);
     return *status == DDOF_OK ? made : VK_NULL_HANDLE;
 }
 
 static VkPipeline make(ddof_vulkan *vk, vulkan_module module, const vulkan_constants *c, ddof_status *status) {
     enum { CONSTANTS = sizeof *c / sizeof(int32_t) };
     VkSpecializationMapEntry entry[CONSTANTS];
-    for (uint32_t i = 0; i < CONSTANTS; i++) entry[i] = (VkSpecializationMapEntry){i, i * sizeof(int32_t), sizeof(int32_t)};
+    for (uint32_t i = 0; i < CONSTANTS; i++)
+        entry[i] = (VkSpecializationMapEntry){i, i * sizeof(int32_t), sizeof(int32_t)};
     const VkSpecializationInfo specialization = {CONSTANTS, entry, sizeof *c, c};
     const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
@@ -82,7 +84,8 @@ VkPipeline vulkan_pipeline_get(ddof_vulkan *vk, vulkan_module module, const vulk
 
 void vulkan_pipelines_delete(ddof_vulkan *vk) {
     vulkan_pipelines *p = &vk->pipelines;
-    for (int i = 0; i < p->count; i++) vk->f.DestroyPipeline(vk->config.device, p->pipeline[i].handle, vk->allocator);
+    for (int i = 0; i < p->count; i++)
+        vk->f.DestroyPipeline(vk->config.device, p->pipeline[i].handle, vk->allocator);
     if (p->pipeline) vk->config.release(vk->config.memory_user, p->pipeline);
     *p = (vulkan_pipelines){NULL, 0, 0};
 }

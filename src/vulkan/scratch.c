@@ -21,7 +21,8 @@ static ddof_status make_image(ddof_vulkan *vk, const ddof_vulkan_frame *frame, V
                                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT,
                                     .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
                                     .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED};
-    return vulkan_device_check(vk, vk->f.CreateImage(vk->config.device, &info, vk->allocator, image), "making a scratch image");
+    return vulkan_device_check(vk, vk->f.CreateImage(vk->config.device, &info, vk->allocator, image),
+                               "making a scratch image");
 }
 
 static ddof_status make_levels(ddof_vulkan *vk, vulkan_scratch *s) {
@@ -30,7 +31,7 @@ static ddof_status make_levels(ddof_vulkan *vk, vulkan_scratch *s) {
                                      .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                      .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
     return vulkan_device_check(vk, vk->f.CreateBuffer(vk->config.device, &info, vk->allocator, &s->levels),
-                        "making a scratch buffer");
+                               "making a scratch buffer");
 }
 
 static VkDeviceSize round_up(VkDeviceSize n, VkDeviceSize unit) {
@@ -61,7 +62,8 @@ ddof_status vulkan_scratch_make(ddof_vulkan *vk, ddof_vulkan_frame *frame) {
         vk->f.GetImageMemoryRequirements(device, s->image[i], &r);
         s->image_offset[i] = place(vk, s, &r);
     }
-    s->levels_bytes = vulkan_levels_bytes(frame->solver, (int)frame->images.color.width, (int)frame->images.color.height);
+    s->levels_bytes =
+        vulkan_levels_bytes(frame->solver, (int)frame->images.color.width, (int)frame->images.color.height);
     if (s->levels_bytes) {
         const ddof_status status = make_levels(vk, s);
         if (status != DDOF_OK) return status;
@@ -79,7 +81,7 @@ static ddof_status allocate(ddof_vulkan *vk, vulkan_scratch *s) {
     const VkMemoryAllocateInfo info = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = s->total.size, .memoryTypeIndex = type};
     return vulkan_device_check(vk, vk->f.AllocateMemory(vk->config.device, &info, vk->allocator, &s->memory),
-                        "allocating scratch memory");
+                               "allocating scratch memory");
 }
 
 static ddof_status check_memory(ddof_vulkan *vk, const ddof_vulkan_frame *frame) {
