@@ -6,16 +6,17 @@
 _ddof_options() {
     local blur="--layer --depth --depth-kind --near --far --coc --coc-scale --camera --render --focal-length
         --sensor-width --fstop --unit --focus --focus-at --focus-range --max-coc --max-coc-near --max-coc-far"
-    local engine="--threads --backend --cpu" gl="--solver --surface --shared-chain"
+    local engine="--threads --backend --device --cpu" gpu="--solver --surface --shared-chain"
     local report="--quiet --json --help"
     case $1 in
-        render) echo "--output $blur --conductance --substeps --preview --exposure $engine $gl $report" ;;
+        render) echo "--output $blur --conductance --substeps --preview --exposure $engine $gpu $report" ;;
         coc) echo "--output $blur --exposure $engine $report" ;;
         info) echo "--layer --depth --threads $report" ;;
         compare) echo "--output --layer --mask --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
-            --conductance --substeps $engine $gl $report" ;;
+            --conductance --substeps $engine $gpu $report" ;;
         solvers) echo "--size $report" ;;
+        devices) echo "$report" ;;
     esac
 }
 
@@ -33,14 +34,14 @@ _ddof() {
     extglob=$(shopt -p extglob)
     shopt -s extglob
     if ((COMP_CWORD == 1)); then
-        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench solvers help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench solvers devices help --help --version" -- "$word")
     elif [[ $command == help ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench solvers" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "render coc info compare bench solvers devices" -- "$word")
     else
         _ddof_value "$command" "$previous" "$word" || {
             if [[ $word == -* ]]; then
                 mapfile -t COMPREPLY < <(compgen -W "$(_ddof_options "$command")" -- "$word")
-            elif [[ $command != bench && $command != solvers ]]; then
+            elif [[ $command != bench && $command != solvers && $command != devices ]]; then
                 _ddof_files "$pictures" "$word"
             fi
         }
@@ -54,8 +55,8 @@ _ddof_value() {
     case $2 in
         --depth-kind) choices="planar ray inverse normalized device" ;;
         --conductance) choices="matched classic" ;;
-        --backend) choices="auto cpu gl reference" ;;
-        --solver) choices="cr-vanilla cr cr+pack cr4 cr4+pack cr+pcr" ;;
+        --backend) choices="auto cpu gl vulkan reference" ;;
+        --solver) choices="cr-vanilla cr cr+pack cr4 cr4+pack cr+pcr line pcr pcr3+sweep" ;;
         --surface) choices="rgba16f rgba32f" ;;
         --format) choices="markdown csv json" ;;
         --cpu) choices="all baseline avx2 avx512 neon" ;;
@@ -73,7 +74,7 @@ _ddof_value() {
             ;;
         --layer | --near | --far | --coc-scale | --render | --focal-length | --sensor-width | --fstop | --unit | --focus | \
             --focus-at | --focus-range | --max-coc | --max-coc-near | --max-coc-far | --runs | --channels | --substeps | \
-            --amplify | --exposure | --threads) return 0 ;;
+            --amplify | --exposure | --threads | --device) return 0 ;;
         *) return 1 ;;
     esac
     mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$3")

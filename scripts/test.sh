@@ -5,7 +5,7 @@
 # test.sh VARIANT...: builds and runs every test in each variant; the last line counts all of them.
 #   release  as it is shipped
 #   asan     AddressSanitizer and UndefinedBehaviorSanitizer
-#   tsan     ThreadSanitizer, without GL, whose drivers bring threads that it cannot see into
+#   tsan     ThreadSanitizer, without GL and Vulkan, whose drivers bring threads that it cannot see into
 #   arm64    the library's NEON kernels, cross-compiled, under qemu (-O2: GCC 12 for arm64 crashes on the tests at -O3)
 set -u
 cd "$(dirname "$0")/.."
@@ -15,7 +15,7 @@ options() {
     case $1 in
     release) ;;
     asan) echo --buildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
-    tsan) echo --buildtype=debugoptimized -Dgl=disabled -Db_sanitize=thread -Db_lundef=false -Ddefault_library=static ;;
+    tsan) echo --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=thread -Db_lundef=false -Ddefault_library=static ;;
     arm64) echo --cross-file build-test/arm64.ini --buildtype=debugoptimized -Dtools=false -Ddefault_library=static ;;
     *) echo "test.sh: no such variant: $1 (release, asan, tsan, arm64)" >&2; exit 2 ;;
     esac

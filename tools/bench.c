@@ -3,11 +3,13 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bench_copy.h"
 #include "bench_report.h"
 #include "bench_scene.h"
 #include "bench_table.h"
+#include "bench_vulkan_report.h"
 #include "commands.h"
 #include "commit.h"
 #include "json.h"
@@ -74,7 +76,7 @@ static int report_json(const scene *s, const session *work, const ddof_stats *st
     json_text(object, "type", type_name(s));
     json_text(object, "layout", layout_name(s));
     cJSON_AddBoolToObject(object, "in_place", s->in_place);
-    json_text(object, "backend", session_backend_name(work));
+    json_text(object, "backend", backend_name(work->backend));
     json_text(object, "device", stats->device);
     json_integer(object, "threads", stats->threads);
     json_integer(object, "runs", runs);
@@ -89,7 +91,7 @@ static int report_json(const scene *s, const session *work, const ddof_stats *st
     json_number(object, "megapixels_per_s", megapixels / solve->median * 1e3);
     json_integer(object, "scratch_bytes", (double)stats->scratch_bytes);
     json_integer(object, "peak_rss_bytes", (double)peak_rss_bytes());
-    session_add_gl(work, object, &s->settings, stats, (double)s->width * s->height);
+    session_add_gpu(work, object, &s->settings, stats, (double)s->width * s->height);
     return json_finish(object);
 }
 
@@ -112,32 +114,64 @@ static int report_human(const scene *s, const session *work, const ddof_stats *s
            (double)stats->scratch_bytes / pixels, stats->scratch_bytes, (double)peak_rss_bytes() * 1e-6);
     if (work->backend == DDOF_BACKEND_GL)
         printf("gl      %9.2f bytes of surfaces per pixel (%zu bytes), %s%s, %s\n",
-               (double)stats->surface_bytes / pixels, stats->surface_bytes, solver_name(s->settings.solver),
-               s->settings.shared_chain ? ", shared chain" : "", surface_name(s->settings.surface));
+               (double)stats->surface_bytes / pixels, stats->surface_bytes,
+               solver_name(work->backend, s->settings.solver), s->settings.shared_chain ? ", shared chain" : "",
+               surface_name(s->settings.surface));
     return finish_output();
 }
 
-int command_bench(const options *o) {
-    if (option_given(o, OPT_TABLE)) return bench_table(o);
-    if (option_given(o, OPT_FORMAT)) return fail_usage("--format: is for --table; add --table, or take --json");
-    if (option_given(o, OPT_REFERENCE))
-        return fail_usage("--reference: is for --table; add --table, or take --backend reference");
+/* What no backend takes. */
+static int bench_check(const options *o) {
+    static const option_id not_in_table[] = {OPT_SOLVER, OPT_SHARED_CHAIN, OPT_TYPE,
+                                             OPT_LAYOUT, OPT_CHANNELS,     OPT_IN_PLACE};
+    if (!option_given(o, OPT_TABLE)) {
+        if (option_given(o, OPT_FORMAT)) return fail_usage("--format: is for --table; add --table, or take --json");
+        if (option_given(o, OPT_REFERENCE))
+            return fail_usage("--reference: is for --table; add --table, or take --backend reference");
+        return 0;
+    }
+    for (size_t i = 0; i < sizeof not_in_table / sizeof *not_in_table; i++)
+        if (option_given(o, not_in_table[i]))
+            return fail_usage("--%s: is not for --table, which has its own; leave one of them out",
+                              option_table[not_in_table[i]].name);
+    if (option_given(o, OPT_JSON) && option_given(o, OPT_FORMAT) && strcmp(option_text(o, OPT_FORMAT), "json") != 0)
+        return fail_usage("--format: %s contradicts --json; leave one of them out", option_text(o, OPT_FORMAT));
+    return 0;
+}
+
+static int bench_session(const options *o, session *work) {
     scene s;
-    session work = {0};
     ddof_stats stats = {0};
     spread solve, copy;
     const int runs = (int)option_number(o, OPT_RUNS, 31);
-    int status = session_open(&work, o);
-    if (status) return status;
-    work.progress = false; /* drawing it would be timed */
-    status = scene_create(&s, o, (int)option_number(o, OPT_SIZE, 1920),
-                          option_given(o, OPT_SIZE) ? (int)o->value[OPT_SIZE].number_y : 1080);
-    if (status == 0) status = measure(&s, &work, runs, &stats, &solve, &copy);
+    work->progress = false; /* drawing it would be timed */
+    int status = scene_create(&s, o, (int)option_number(o, OPT_SIZE, 1920),
+                              option_given(o, OPT_SIZE) ? (int)o->value[OPT_SIZE].number_y : 1080);
+    if (status == 0) status = measure(&s, work, runs, &stats, &solve, &copy);
     if (status == 0 && option_given(o, OPT_JSON))
-        status = report_json(&s, &work, &stats, &solve, &copy, runs);
+        status = report_json(&s, work, &stats, &solve, &copy, runs);
     else if (status == 0 && !option_given(o, OPT_QUIET))
-        status = report_human(&s, &work, &stats, &solve, &copy, runs);
+        status = report_human(&s, work, &stats, &solve, &copy, runs);
     scene_destroy(&s);
+    return status;
+}
+
+int command_bench(const options *o) {
+    const char *backend = option_text(o, OPT_BACKEND);
+    backend_choice choice;
+    session work = {0};
+    bool stand_in = false;
+    int status = bench_check(o);
+    if (status) return status;
+    if (option_given(o, OPT_TABLE) && !(backend && strcmp(backend, "vulkan") == 0)) return bench_table(o);
+    status = backend_choose(&choice, o);
+    if (status) return status;
+    if (choice.backend == DDOF_BACKEND_VULKAN) {
+        status = bench_vulkan_command(o, &choice, &stand_in);
+        if (!stand_in) return status;
+    }
+    status = stand_in ? session_open_as(&work, o, DDOF_BACKEND_CPU) : session_open(&work, o);
+    if (status == 0) status = bench_session(o, &work);
     session_close(&work);
     return status;
 }

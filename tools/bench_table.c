@@ -130,18 +130,11 @@ static bool backend_is(const options *o, const char *name) {
 }
 
 static int check_options(const options *o) {
-    static const option_id not_here[] = {OPT_SOLVER, OPT_SHARED_CHAIN, OPT_TYPE,
-                                         OPT_LAYOUT, OPT_CHANNELS,     OPT_IN_PLACE};
-    for (size_t i = 0; i < sizeof not_here / sizeof *not_here; i++)
-        if (option_given(o, not_here[i]))
-            return fail_usage("--%s: is not for --table, which has its own; leave one of them out",
-                              option_table[not_here[i]].name);
     if (backend_is(o, "reference"))
         return fail_usage("--backend: reference alone makes no table; write --table --reference");
     if (backend_is(o, "cpu") && option_given(o, OPT_SURFACE))
-        return fail_usage("--surface: belongs to the GL backend; add --backend gl");
-    if (option_given(o, OPT_JSON) && option_given(o, OPT_FORMAT) && strcmp(option_text(o, OPT_FORMAT), "json") != 0)
-        return fail_usage("--format: %s contradicts --json; leave one of them out", option_text(o, OPT_FORMAT));
+        return fail_usage("--surface: belongs to the GPU backends; take --backend gl or --backend vulkan");
+    if (option_given(o, OPT_DEVICE)) return fail_usage("--device: belongs to the Vulkan backend; add --backend vulkan");
     return 0;
 }
 

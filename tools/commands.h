@@ -14,5 +14,6 @@ int command_info(const options *o);
 int command_compare(const options *o);
 int command_bench(const options *o);
 int command_solvers(const options *o);
+int command_devices(const options *o);
 
 #endif

@@ -144,7 +144,7 @@ void method_settings(ddof_settings *settings, const options *o) {
     settings->conductance = (ddof_conductance)option_number(o, OPT_CONDUCTANCE, DDOF_CONDUCTANCE_MATCHED);
     settings->substeps = (int)option_number(o, OPT_SUBSTEPS, 1);
     /* the words stand in the order of the library's names, the first of which is 1 */
-    settings->solver = (ddof_solver)(option_number(o, OPT_SOLVER, DDOF_SOLVER_CR4_PACK - 1) + 1);
+    settings->solver = (ddof_solver)(option_number(o, OPT_SOLVER, DDOF_SOLVER_DEFAULT - 1) + 1);
     settings->surface = (ddof_surface)(option_number(o, OPT_SURFACE, DDOF_SURFACE_RGBA16F - 1) + 1);
     settings->shared_chain = option_given(o, OPT_SHARED_CHAIN);
 }

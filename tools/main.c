@@ -22,6 +22,8 @@ static int run(const options *o, double start) {
         return command_compare(o);
     case COMMAND_SOLVERS:
         return command_solvers(o);
+    case COMMAND_DEVICES:
+        return command_devices(o);
     default:
         return command_bench(o);
     }
@@ -32,7 +34,8 @@ static int help(int count, char *const *word) {
     if (count > 0) {
         command_id command = command_by_name(word[0]);
         if (command == COMMAND_COUNT)
-            return fail_usage("%s: no such command; there are render, coc, info, compare, bench and solvers", word[0]);
+            return fail_usage("%s: no such command; there are render, coc, info, compare, bench, solvers and devices",
+                              word[0]);
         help_command(stdout, command);
     } else {
         help_general(stdout);
@@ -56,7 +59,8 @@ int main(int count, char **word) {
     if (command == COMMAND_COUNT) {
         const char *near_word = command_suggestion(word[1]);
         if (near_word) return fail_usage("%s: no such command; did you mean 'ddof %s'?", word[1], near_word);
-        return fail_usage("%s: no such command; there are render, coc, info, compare, bench and solvers", word[1]);
+        return fail_usage("%s: no such command; there are render, coc, info, compare, bench, solvers and devices",
+                          word[1]);
     }
     options o;
     int status = options_parse(&o, command, count - 2, word + 2);

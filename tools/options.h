@@ -16,6 +16,7 @@ typedef enum command_id {
     COMMAND_COMPARE,
     COMMAND_BENCH,
     COMMAND_SOLVERS,
+    COMMAND_DEVICES,
     COMMAND_COUNT
 } command_id;
 
@@ -60,6 +61,7 @@ typedef enum option_id {
     OPT_EXPOSURE,
     OPT_THREADS,
     OPT_BACKEND,
+    OPT_DEVICE,
     OPT_SOLVER,
     OPT_SURFACE,
     OPT_SHARED_CHAIN,

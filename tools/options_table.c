@@ -12,7 +12,9 @@ enum {
     M = 1 << COMMAND_COMPARE,
     B = 1 << COMMAND_BENCH,
     S = 1 << COMMAND_SOLVERS,
-    ALL = R | C | I | M | B | S
+    D = 1 << COMMAND_DEVICES,
+    WORK = R | C | I | M | B,
+    ALL = WORK | S | D
 };
 
 /* One option, one or two lines; the order is that of --help. */
@@ -71,11 +73,11 @@ const option_spec option_table[OPT_COUNT] = {
         "the picture of --output is 1 - that: white where A and B agree", M, 0, 0, 0, NULL},
 
     [OPT_SIZE] = {"size", 0, KIND_SIZE, "WxH", "1920x1080",
-        "picture size, pixels (default 1920x1080; solvers: 1600x1200; --table: the four published ones)", B | S, 1, 1 << 20, false, NULL},
+        "picture size, pixels (default 1920x1080; solvers: 1600x1200; --table: the published ones)", B | S, 1, 1 << 20, false, NULL},
     [OPT_RUNS] = {"runs", 0, KIND_INTEGER, "N", "31",
         "timed repetitions (default 31; --table: 11)", B, 1, 100000, false, NULL},
     [OPT_TYPE] = {"type", 0, KIND_CHOICE, "TYPE", "float",
-        "float|half: type of the picture's channels (default float)", B, 0, 0, 0, "float|half"},
+        "float|half: type of the picture's channels; --backend vulkan: of CoC or depth (default float)", B, 0, 0, 0, "float|half"},
     [OPT_LAYOUT] = {"layout", 0, KIND_CHOICE, "LAYOUT", "planar",
         "interleaved|planar: how the channels lie in memory (default interleaved)", B, 0, 0, 0, "interleaved|planar"},
     [OPT_CHANNELS] = {"channels", 0, KIND_INTEGER, "N", "4",
@@ -87,7 +89,7 @@ const option_spec option_table[OPT_COUNT] = {
     [OPT_BENCH_DEPTH] = {"depth", 0, KIND_FLAG, NULL, NULL,
         "give depth and a lens instead of a CoC image", B, 0, 0, 0, NULL},
     [OPT_TABLE] = {"table", 0, KIND_FLAG, NULL, NULL,
-        "every solver at the sizes of the published table: time and memory, beside the published figures", B, 0, 0, 0, NULL},
+        "every solver of the backend at the sizes of the published table: time and memory", B, 0, 0, 0, NULL},
     [OPT_FORMAT] = {"format", 0, KIND_CHOICE, "FORMAT", "csv",
         "markdown|csv|json: how --table is printed (default markdown)", B, 0, 0, 0, "markdown|csv|json"},
     [OPT_REFERENCE] = {"reference", 0, KIND_FLAG, NULL, NULL,
@@ -104,15 +106,18 @@ const option_spec option_table[OPT_COUNT] = {
         "brighten --preview and false colour, -30 to 30 stops (default 0)", R | C, -30, 30, false, NULL},
 
     [OPT_THREADS] = {"threads", 0, KIND_INTEGER, "N", "4",
-        "threads, 0 to 256; results do not depend on it (default 0: all there are)", ALL & ~S, 0, 256, false, NULL},
+        "threads, 0 to 256; results do not depend on it (default 0: all there are)", WORK, 0, 256, false, NULL},
     [OPT_BACKEND] = {"backend", 0, KIND_CHOICE, "NAME", "cpu",
-        "auto|cpu|gl|reference: what does the work; auto is cpu (default auto)", R | C | B, 0, 0, 0,
-        "auto|cpu|gl|reference"},
-    [OPT_SOLVER] = {"solver", 0, KIND_CHOICE, "NAME", "cr4",
-        "cr-vanilla|cr|cr+pack|cr4|cr4+pack|cr+pcr: how --backend gl solves (default cr4+pack)", R | B, 0, 0, 0,
-        "cr-vanilla|cr|cr+pack|cr4|cr4+pack|cr+pcr"},
+        "auto|cpu|gl|vulkan|reference: what does the work; auto is cpu (default auto)", R | C | B, 0, 0, 0,
+        "auto|cpu|gl|vulkan|reference"},
+    [OPT_DEVICE] = {"device", 0, KIND_INTEGER, "N", "1",
+        "--backend vulkan: which of 'ddof devices', the best first (default 0)", R | C | B, 0, 1023, false, NULL},
+    [OPT_SOLVER] = {"solver", 0, KIND_CHOICE, "NAME", "cr4+pack",
+        "how a GPU solves. gl: cr-vanilla|cr|cr+pack|cr4|cr4+pack|cr+pcr (default cr4+pack); "
+        "vulkan: line|pcr|pcr3+sweep|cr4+pack (default line)", R | B, 0, 0, 0,
+        "cr-vanilla|cr|cr+pack|cr4|cr4+pack|cr+pcr|line|pcr|pcr3+sweep"},
     [OPT_SURFACE] = {"surface", 0, KIND_CHOICE, "FORMAT", "rgba32f",
-        "rgba16f|rgba32f: colour under way with --backend gl (default rgba16f)", R | B, 0, 0, 0, "rgba16f|rgba32f"},
+        "rgba16f|rgba32f: colour under way on a GPU (default rgba16f)", R | B, 0, 0, 0, "rgba16f|rgba32f"},
     [OPT_SHARED_CHAIN] = {"shared-chain", 0, KIND_FLAG, NULL, NULL,
         "--backend gl: columns are solved in the surfaces of the rows, for less memory", R | B, 0, 0, 0, NULL},
     [OPT_CPU] = {"cpu", 0, KIND_CPUS, "LIST", "baseline,avx2",
@@ -136,7 +141,8 @@ const command_spec command_table[COMMAND_COUNT] = {
          "       --focus 2 --max-coc 2%\n"
          "  ddof render pinhole.exr -o out.exr --camera scene.json --render dof_f2.exr --json\n"
          "  ddof render shot.exr -o out.exr --coc radius.exr:blur --coc-scale 2\n"
-         "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend gl --solver cr4+pack\n"},
+         "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend gl --solver cr4+pack\n"
+         "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend vulkan --device 1\n"},
     [COMMAND_COC] = {"coc", 1, true, "IN -o OUT",
                      "write the signed circle of confusion (EXR, PFM, TIFF), or show it in false colour (PNG)",
                      "  ddof coc shot.exr -o coc.exr --fstop 2.8 --focal-length 85 --focus 3.2\n"
@@ -155,9 +161,13 @@ const command_spec command_table[COMMAND_COUNT] = {
                        "  ddof bench --type half --layout planar --in-place\n"
                        "  ddof bench --coc 1000 --cpu avx2 --json\n"
                        "  ddof bench --table --backend gl --format csv\n"
-                       "  ddof bench --backend gl --solver cr --surface rgba32f --size 1600x1200\n"},
+                       "  ddof bench --backend gl --solver cr --surface rgba32f --size 1600x1200\n"
+                       "  ddof bench --backend vulkan --size 3840x2160 --json\n"},
     [COMMAND_SOLVERS] = {"solvers", 0, false, "",
                          "the tridiagonal solvers of the literature: steps, operations, memory",
                          "  ddof solvers\n"
                          "  ddof solvers --size 2560x1600 --json\n"},
+    [COMMAND_DEVICES] = {"devices", 0, false, "", "what can do the work here: instruction sets, GL, Vulkan devices",
+                         "  ddof devices\n"
+                         "  ddof devices --json\n"},
 };

@@ -74,10 +74,7 @@ static void report_human(const job *j, const options *o, const session *s, const
            range);
     printf("solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
            r->stats.device, r->stats.threads, r->stats.threads == 1 ? "" : "s", j->decode_ms, r->time.encode, total);
-    if (s->backend == DDOF_BACKEND_GL)
-        printf("gl: %s%s, %s, %.1f bytes of surfaces per pixel\n", solver_name(j->settings.solver),
-               j->settings.shared_chain ? ", shared chain" : "", surface_name(j->settings.surface),
-               (double)r->stats.surface_bytes / ((double)j->frame.color.width * j->frame.color.height));
+    session_print_gpu(s, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
     if (option_given(o, OPT_PREVIEW)) printf("%s: before and after\n", option_text(o, OPT_PREVIEW));
 }
 
@@ -89,7 +86,7 @@ static int report_json(const job *j, const options *o, const session *s, const r
     json_integer(object, "width", j->frame.color.width);
     json_integer(object, "height", j->frame.color.height);
     json_integer(object, "channels", j->frame.color.channels);
-    json_text(object, "backend", session_backend_name(s));
+    json_text(object, "backend", backend_name(s->backend));
     json_text(object, "device", r->stats.device);
     json_integer(object, "threads", r->stats.threads);
     json_number(object, "solve_ms", r->time.solve);
@@ -105,7 +102,7 @@ static int report_json(const job *j, const options *o, const session *s, const r
     if (*j->file.entry) json_text(object, "camera_render", j->file.entry);
     json_integer(object, "scratch_bytes", (double)r->stats.scratch_bytes);
     json_integer(object, "peak_rss_bytes", (double)peak_rss_bytes());
-    session_add_gl(s, object, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
+    session_add_gpu(s, object, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
     return json_finish(object);
 }
 

@@ -58,78 +58,59 @@ static void on_log(void *user, ddof_log_level level, const char *text) {
     if (level == DDOF_LOG_ERROR) snprintf(s->error, sizeof s->error, "%s", text);
 }
 
-/* In the order of the words of --cpu. */
-static const unsigned cpu_bit[] = {DDOF_CPU_BASELINE, DDOF_CPU_AVX2, DDOF_CPU_AVX512, DDOF_CPU_NEON};
-static const char *const cpu_word[] = {"baseline", "avx2", "avx512", "neon"};
-enum { CPU_WORDS = 4 };
+const cpu_set cpu_sets[CPU_SETS] = {
+    {DDOF_CPU_BASELINE, "baseline"}, {DDOF_CPU_AVX2, "avx2"}, {DDOF_CPU_AVX512, "avx512"}, {DDOF_CPU_NEON, "neon"}};
 
 /* The mask of --cpu, checked against this machine; 0: all. Returns 0 or an exit code. */
 static int cpu_mask_of_options(const options *o, unsigned *mask) {
     *mask = 0;
-    unsigned words = (unsigned)option_number(o, OPT_CPU, 1u << CPU_WORDS);
-    if (words & 1u << CPU_WORDS) return 0; /* "all" */
+    unsigned words = (unsigned)option_number(o, OPT_CPU, 1u << CPU_SETS);
+    if (words & 1u << CPU_SETS) return 0; /* "all" */
     unsigned available = ddof_cpu_available() | DDOF_CPU_BASELINE;
     char known[64] = "";
-    for (int i = 0; i < CPU_WORDS; i++)
-        if (available & cpu_bit[i])
-            snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", *known ? ", " : "", cpu_word[i]);
-    for (int i = 0; i < CPU_WORDS; i++) {
+    for (int i = 0; i < CPU_SETS; i++)
+        if (available & cpu_sets[i].bit)
+            snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", *known ? ", " : "", cpu_sets[i].word);
+    for (int i = 0; i < CPU_SETS; i++) {
         if (!(words & 1u << i)) continue;
-        if (!(available & cpu_bit[i]))
-            return fail_usage("--cpu: '%s' is not on this machine or not in this build; there are: %s", cpu_word[i],
-                              known);
-        *mask |= cpu_bit[i];
+        if (!(available & cpu_sets[i].bit))
+            return fail_usage("--cpu: '%s' is not on this machine or not in this build; there are: %s",
+                              cpu_sets[i].word, known);
+        *mask |= cpu_sets[i].bit;
     }
     return 0;
 }
 
-/* In the order of the words of --backend. */
-static const ddof_backend backends[] = {DDOF_BACKEND_AUTO, DDOF_BACKEND_CPU, DDOF_BACKEND_GL, DDOF_BACKEND_REFERENCE};
+/* ------------------------------------------------------------------------- what a GPU backend adds to a report */
 
-/* Whether something was asked for that the GL backend alone knows; NULL or its name. */
-static const char *gl_option_given(const options *o) {
-    static const option_id only_gl[] = {OPT_SOLVER, OPT_SURFACE, OPT_SHARED_CHAIN};
-    for (size_t i = 0; i < sizeof only_gl / sizeof *only_gl; i++)
-        if (option_given(o, only_gl[i])) return option_table[only_gl[i]].name;
-    return NULL;
+static bool on_gpu(const session *s) {
+    return s->backend == DDOF_BACKEND_GL || s->backend == DDOF_BACKEND_VULKAN;
 }
 
-/* "auto" said in so many words, beside an option for GL: GL where it can be had. */
-static bool prefers_gl(const options *o) {
-    return option_given(o, OPT_BACKEND) && option_number(o, OPT_BACKEND, 0) == 0 && gl_option_given(o);
-}
-
-ddof_backend backend_of_options(const options *o) {
-    const ddof_backend asked = backends[(int)option_number(o, OPT_BACKEND, 0)];
-    return asked == DDOF_BACKEND_AUTO ? DDOF_BACKEND_CPU : asked;
-}
-
-const char *session_backend_name(const session *s) {
-    return s->backend == DDOF_BACKEND_GL ? "gl" : s->backend == DDOF_BACKEND_REFERENCE ? "reference" : "cpu";
-}
-
-const char *solver_name(ddof_solver solver) {
-    static const char *const names[] = {"cr4+pack", "cr-vanilla", "cr", "cr+pack", "cr4", "cr4+pack", "cr+pcr"};
-    return names[solver];
-}
-
-const char *surface_name(ddof_surface surface) {
-    return surface == DDOF_SURFACE_RGBA32F ? "rgba32f" : "rgba16f";
-}
-
-void session_add_gl(const session *s, cJSON *object, const ddof_settings *settings, const ddof_stats *stats,
-                    double pixels) {
-    if (s->backend != DDOF_BACKEND_GL) return;
-    json_text(object, "solver", solver_name(settings->solver));
+void session_add_gpu(const session *s, cJSON *object, const ddof_settings *settings, const ddof_stats *stats,
+                     double pixels) {
+    if (!on_gpu(s)) return;
+    json_text(object, "solver", solver_name(s->backend, settings->solver));
     json_text(object, "surface", surface_name(settings->surface));
-    cJSON_AddBoolToObject(object, "shared_chain", settings->shared_chain);
+    if (s->backend == DDOF_BACKEND_GL) cJSON_AddBoolToObject(object, "shared_chain", settings->shared_chain);
+    if (s->backend == DDOF_BACKEND_VULKAN) json_integer(object, "device_index", s->device);
     json_integer(object, "surface_bytes", (double)stats->surface_bytes);
     json_number(object, "surface_bytes_per_pixel", (double)stats->surface_bytes / pixels);
 }
 
-/* Returns 0 or an exit code; where the library refused, nothing is printed and s->error says why. */
-static int open_quietly(session *s, const options *o, ddof_backend backend, bool *refused) {
+void session_print_gpu(const session *s, const ddof_settings *settings, const ddof_stats *stats, double pixels) {
+    if (!on_gpu(s)) return;
+    printf("%s: %s%s, %s, %.1f bytes of surfaces per pixel\n", backend_name(s->backend),
+           solver_name(s->backend, settings->solver), settings->shared_chain ? ", shared chain" : "",
+           surface_name(settings->surface), (double)stats->surface_bytes / pixels);
+}
+
+/* ------------------------------------------------------------------------- life */
+
+/* Returns 0 or an exit code; where the library refused, nothing is printed, *made says how and s->error why. */
+static int open_quietly(session *s, const options *o, ddof_backend backend, ddof_status *made) {
     *s = (session){.progress = !option_given(o, OPT_QUIET), .backend = backend};
+    if (backend == DDOF_BACKEND_VULKAN) s->device = (int)option_number(o, OPT_DEVICE, 0);
     ddof_config config = {
         .backend = backend,
         .threads = (int)option_number(o, OPT_THREADS, 0),
@@ -137,37 +118,42 @@ static int open_quietly(session *s, const options *o, ddof_backend backend, bool
         .log_user = s,
         .progress = on_progress,
         .progress_user = s,
+        .device = s->device,
     };
-    *refused = false;
+    *made = DDOF_OK;
     int status = cpu_mask_of_options(o, &config.cpu_mask);
     if (status) return status;
-    ddof_status made = ddof_create(&s->context, &config);
-    if (made == DDOF_OK) return 0;
-    *refused = true;
-    if (!*s->error) snprintf(s->error, sizeof s->error, "%s", ddof_status_text(made));
+    *made = ddof_create(&s->context, &config);
+    if (*made == DDOF_OK) return 0;
+    if (!*s->error) snprintf(s->error, sizeof s->error, "%s", ddof_status_text(*made));
     return EXIT_WORK;
 }
 
+static int fail_open(const session *s, const options *o, ddof_status made) {
+    if (s->backend == DDOF_BACKEND_VULKAN && made == DDOF_ERROR_INVALID && option_given(o, OPT_DEVICE))
+        return fail_usage("--device: there is no Vulkan device %d; 'ddof devices' lists those there are", s->device);
+    if (on_gpu(s)) return fail("--backend %s: %s; use --backend cpu", backend_name(s->backend), s->error);
+    return fail("--backend: %s: %s; try --backend cpu --threads 1", backend_name(s->backend), s->error);
+}
+
 int session_open(session *s, const options *o) {
-    const ddof_backend backend = backend_of_options(o);
-    const char *option = gl_option_given(o);
-    bool refused;
-    if (prefers_gl(o)) {
-        int status = open_quietly(s, o, DDOF_BACKEND_GL, &refused);
-        if (!refused) return status;
-        note("note: --backend auto: %s; the CPU engine does the work, without --%s", s->error, option);
-    } else if (option && backend != DDOF_BACKEND_GL) {
-        return fail_usage("--%s: belongs to the GL backend; add --backend gl", option);
+    backend_choice choice;
+    int status = backend_choose(&choice, o);
+    if (status) return status;
+    if (choice.because) {
+        ddof_status made;
+        status = open_quietly(s, o, choice.backend, &made);
+        if (made == DDOF_OK) return status;
+        backend_note_fallback(&choice, s->error);
+        choice.backend = DDOF_BACKEND_CPU;
     }
-    return session_open_as(s, o, backend);
+    return session_open_as(s, o, choice.backend);
 }
 
 int session_open_as(session *s, const options *o, ddof_backend backend) {
-    bool refused;
-    int status = open_quietly(s, o, backend, &refused);
-    if (!refused) return status;
-    if (backend == DDOF_BACKEND_GL) return fail("--backend gl: %s; use --backend cpu", s->error);
-    return fail("--backend: %s: %s; try --backend cpu --threads 1", session_backend_name(s), s->error);
+    ddof_status made;
+    int status = open_quietly(s, o, backend, &made);
+    return made == DDOF_OK ? status : fail_open(s, o, made);
 }
 
 void session_note(session *s, const char *about) {

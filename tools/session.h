@@ -8,6 +8,7 @@
 #include <ddof/ddof.h>
 #include <stdbool.h>
 
+#include "backend.h"
 #include "json.h"
 #include "options.h"
 
@@ -15,6 +16,7 @@ typedef struct session {
     ddof_context *context;
     bool progress;        /* show it */
     ddof_backend backend; /* that does the work: never AUTO */
+    int device;           /* of --device; 0 where there is none */
     char error[512];      /* the library's last: ddof_error() has none when there is no context */
     char warning[512];    /* the library's last, held back until it is clear that the work succeeded */
 } session;
@@ -28,11 +30,10 @@ void session_close(session *s);
 /* Says what the library's last call found wrong; `about` is the file or option to name. Returns an exit code. */
 int session_fail(const session *s, ddof_status status, const char *about);
 
-/* As --backend calls it. */
-const char *session_backend_name(const session *s);
-/* Members for the GL backend: solver, surfaces, bytes; nothing for the others. */
-void session_add_gl(const session *s, cJSON *object, const ddof_settings *settings, const ddof_stats *stats,
-                    double pixels);
+/* What the GPU backends add to a report, nothing for the others: solver, surfaces, bytes. As members, as a line. */
+void session_add_gpu(const session *s, cJSON *object, const ddof_settings *settings, const ddof_stats *stats,
+                     double pixels);
+void session_print_gpu(const session *s, const ddof_settings *settings, const ddof_stats *stats, double pixels);
 
 /* Prints the library's warning, if there was one. */
 void session_note(session *s, const char *about);
@@ -46,10 +47,12 @@ bool interrupted(void);
 /* Says so; returns EXIT_INTERRUPTED. */
 int fail_interrupted(void);
 
-/* Of --backend. */
-ddof_backend backend_of_options(const options *o);
-/* As --solver and --surface call them; of the default, what it stands for. */
-const char *solver_name(ddof_solver solver);
-const char *surface_name(ddof_surface surface);
+/* The words of --cpu in their order, the best of one machine last. */
+enum { CPU_SETS = 4 };
+typedef struct cpu_set {
+    unsigned bit; /* DDOF_CPU_* */
+    const char *word;
+} cpu_set;
+extern const cpu_set cpu_sets[CPU_SETS];
 
 #endif

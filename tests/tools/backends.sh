@@ -1,20 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The ddof authors
 # SPDX-License-Identifier: MIT
 #
-# --backend, the options of the GL backend, and bench --table. Times are never judged here.
+# --backend, the options of the GPU backends, and bench --table of GL. Vulkan itself is in vulkan.sh. Times are never judged here.
 # shellcheck shell=sh disable=SC2154
 . "${SOURCE:?}/tests/tools/tap.sh"
+. "${SOURCE:?}/tests/tools/drivers.sh"
 in=$work/in.exr
 out=$work/o/out.exr
 lens="--fstop 2 --focal-length 50 --focus 4"
 "$FIXTURE" make "$in" 64 48 float 32 R=noise G=0.5 B=ramp:0:1 Z=ramp:1:20
-# a driver keeps memory until the process ends, and the mutexes within it are not seen whole
-ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
-TSAN_OPTIONS="${TSAN_OPTIONS:-}:ignore_noninstrumented_modules=1"
-LIBGL_ALWAYS_SOFTWARE=1
-MESA_SHADER_CACHE_DIR=$work
-export ASAN_OPTIONS TSAN_OPTIONS LIBGL_ALWAYS_SOFTWARE MESA_SHADER_CACHE_DIR
-
 # shellcheck disable=SC2086
 {
 # --- what does the work
@@ -27,24 +21,42 @@ passes "bench, no --backend" "$DDOF" bench --size 32x32 --runs 1 --json
 check "bench, no --backend is cpu" test "$(member backend)" = cpu
 rm -f "$work/o/"*
 
-# --- options that belong to gl
-for option in "--solver cr" "--surface rgba32f" --shared-chain; do
+# --- options that belong to a GPU backend
+for pair in "--solver cr:the GL backend; add --backend gl" "--solver line:the Vulkan backend; add --backend vulkan" \
+    "--solver cr4+pack:the GPU backends; add --backend gl or --backend vulkan" "--surface rgba32f:the GPU backends; add --backend gl or" \
+    "--shared-chain:the GL backend; add --backend gl" "--device 0:the Vulkan backend; add --backend vulkan"; do
+    option=${pair%%:*}
     name=${option%% *}
-    refuses "render $option without gl" 2 "$name: belongs to the GL backend; add --backend gl" "$DDOF" render "$in" -o "$out" $lens $option
-    refuses "render $option with cpu" 2 "$name: belongs to the GL backend" "$DDOF" render "$in" -o "$out" $lens $option --backend cpu
-    refuses "bench $option with reference" 2 "$name: belongs to the GL backend" "$DDOF" bench $option --backend reference
-    refuses "coc $option" 2 "$name: not an option of 'ddof coc'" "$DDOF" coc "$in" -o "$out" $lens $option
+    pattern="$name: belongs to $(echo "${pair#*:}" | sed 's/add/(add|take)/')"
+    refuses "render $option without a GPU backend" 2 "$pattern" "$DDOF" render "$in" -o "$out" $lens $option
+    refuses "render $option with cpu" 2 "$pattern" "$DDOF" render "$in" -o "$out" $lens $option --backend cpu
+    refuses "bench $option with reference" 2 "$pattern" "$DDOF" bench $option --backend reference
+    [ "$name" = --device ] || refuses "coc $option" 2 "$name: not an option of 'ddof coc'" "$DDOF" coc "$in" -o "$out" $lens $option
 done
+for command in "render $in -o $out $lens" bench; do
+    refuses "${command%% *}: a solver that GL lacks" 2 "--solver: the GL backend has no 'line'; it has: cr4.pack, cr-vanilla, cr, cr.pack, cr4, cr.pcr$" "$DDOF" $command --backend gl --solver line
+    refuses "${command%% *}: a solver that Vulkan lacks" 2 "--solver: the Vulkan backend has no 'cr4'; it has: line, pcr, pcr3.sweep, cr4.pack$" "$DDOF" $command --backend vulkan --solver cr4
+    refuses "${command%% *}: --shared-chain with vulkan" 2 '--shared-chain: belongs to the GL backend; take --backend gl' "$DDOF" $command --backend vulkan --shared-chain
+    refuses "${command%% *}: --device with gl" 2 '--device: belongs to the Vulkan backend; take --backend vulkan' "$DDOF" $command --backend gl --device 0
+    refuses "${command%% *}: --device with auto" 2 '--device: belongs to the Vulkan backend; take --backend vulkan' "$DDOF" $command --backend auto --device 0 --solver line
+    refuses "${command%% *}: auto, a solver of Vulkan and an option of GL" 2 '--shared-chain: belongs to the GL backend' "$DDOF" $command --backend auto --solver line --shared-chain
+done
+refuses "bench: layout with vulkan" 2 '--layout: the images of the Vulkan backend are interleaved' "$DDOF" bench --backend vulkan --layout planar
+refuses "bench: channels with vulkan" 2 '--channels: the images of the Vulkan backend have 3 or 4' "$DDOF" bench --backend vulkan --channels 2
+refuses "bench: CoC beyond half floats" 2 '--coc: 70000 does not fit into half floats' "$DDOF" bench --backend vulkan --type half --coc 70000
+refuses "table of vulkan with the reference" 2 '--reference: makes no row of the table' "$DDOF" bench --backend vulkan --table --reference
 
 # --- the table's options
 refuses "--format without --table" 2 '--format: is for --table' "$DDOF" bench --format csv
 refuses "--reference without --table" 2 '--reference: is for --table' "$DDOF" bench --reference
 refuses "--table --backend reference" 2 '--backend: reference alone makes no table' "$DDOF" bench --table --backend reference
-refuses "--table --backend cpu --surface" 2 '--surface: belongs to the GL backend' "$DDOF" bench --table --backend cpu --surface rgba32f
+refuses "--table --backend cpu --surface" 2 '--surface: belongs to the GPU backends' "$DDOF" bench --table --backend cpu --surface rgba32f
 refuses "--table --json --format csv" 2 '--format: csv contradicts --json' "$DDOF" bench --table --json --format csv
 for option in "--solver cr" --shared-chain "--type half" "--layout planar" "--channels 3" --in-place; do
     refuses "--table $option" 2 "${option%% *}: is not for --table" "$DDOF" bench --table $option
+    refuses "--table $option, vulkan" 2 "${option%% *}: is not for --table" "$DDOF" bench --table --backend vulkan $option
 done
+refuses "--table --device without vulkan" 2 '--device: belongs to the Vulkan backend' "$DDOF" bench --table --device 0
 
 # --- the table without GL
 tiny="--table --size 40x30 --runs 1"

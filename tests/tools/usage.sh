@@ -16,7 +16,7 @@ passes "help" "$DDOF" --help
 check "help names the commands" grep -q 'ddof compare' "$work/out"
 run "$DDOF"
 if [ $status -eq 2 ] && grep -q usage "$work/err" && [ ! -s "$work/out" ]; then ok "no arguments"; else not_ok "no arguments"; fi
-for command in render coc info compare bench solvers; do
+for command in render coc info compare bench solvers devices; do
     passes "$command --help" "$DDOF" $command --help
     check "$command --help has examples" grep -q "^  ddof $command" "$work/out"
     check "$command --help has exit codes" grep -q 'exit codes' "$work/out"
@@ -89,7 +89,8 @@ bad focus-at -1,3 'out of range'
 bad focus-at 50%,101% 'out of range; the picture ends at 100%'
 bad depth-kind plane 'none of planar\|ray'
 bad conductance new 'none of matched\|classic'
-bad backend gpu 'none of auto\|cpu\|gl\|reference'
+bad backend gpu 'none of auto\|cpu\|gl\|vulkan\|reference'
+for value in -1 1.5 1024 x; do bad device $value '(out of range|whole number|not a)'; done
 bad solver cr5 'none of cr-vanilla\|cr\|cr\+pack'
 bad surface rgba8 'none of rgba16f\|rgba32f'
 for value in 0 -1 1e7 nan x; do
@@ -114,7 +115,7 @@ refuses "bench --coc -1" 2 '--coc: -1 is out of range' "$DDOF" bench --coc -1
 refuses "bench too large for this machine" 2 '--size: .*make it smaller' "$DDOF" bench --size 1048576x1048576
 
 # --- every option is documented, and completed
-for command in render coc info compare bench solvers; do
+for command in render coc info compare bench solvers devices; do
     for option in $(grep -Eo '^  (-[a-z], )?--[a-z-]+' "$work/help.$command" | grep -Eo -e '--[a-z-]+'); do
         escaped=$(echo "$option" | sed 's/-/\\\\-/g')
         check "$command $option is in docs/cli.md" grep -q -e "$option" "$SOURCE/docs/cli.md"
@@ -126,7 +127,7 @@ if command -v bash >/dev/null 2>&1; then
         bash -c 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _ddof; printf "%s\n" "${COMPREPLY[@]}"' \
             bash "$SOURCE/completions/ddof.bash" "$@" 2>/dev/null
     }
-    for command in render coc info compare bench solvers; do
+    for command in render coc info compare bench solvers devices; do
         completions ddof $command -- | sort >"$work/completed"
         grep -Eo '^  (-[a-z], )?--[a-z-]+' "$work/help.$command" | grep -Eo -e '--[a-z-]+' | sort >"$work/listed"
         check "completion of $command offers exactly its options" cmp "$work/completed" "$work/listed"
