@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#if SUBGROUPS
+#if SUBGROUPS == 1
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
 
@@ -130,14 +130,42 @@ Row add_after(Row r, Link run) {
     return Row(r.a, g, -run.through, lerp(r.x, run.x, share(run.before, g)));
 }
 
+// SUBGROUPS: 0: none. 2: shuffles through shared memory, for tests: subgroups of sizes that no device at hand has.
+#if SUBGROUPS == 1
+int own_index() {
+    return int(gl_SubgroupID) * SUBGROUP + int(gl_SubgroupInvocationID);
+}
+
+vec4 shuffle(vec4 v, uint lane) {
+    return subgroupShuffle(v, lane);
+}
+#else
+int own_index() {
+    return int(gl_LocalInvocationIndex);
+}
+#endif
+
+#if SUBGROUPS == 2
+shared vec4 shuffled[WORKGROUP];
+
+vec4 shuffle(vec4 v, uint lane) {
+    int index = own_index();
+    barrier();
+    shuffled[index] = v;
+    barrier();
+    return shuffled[index / SUBGROUP * SUBGROUP + int(lane)];
+}
+#endif
+
 #if SUBGROUPS
 Row shuffle(Row r, uint lane) {
-    return Row(subgroupShuffle(r.a, lane), subgroupShuffle(r.g, lane), subgroupShuffle(r.c, lane),
-               subgroupShuffle(r.x, lane));
+    vec4 agc = shuffle(vec4(r.a, r.g, r.c, 0.0), lane);
+    return Row(agc.x, agc.y, agc.z, shuffle(r.x, lane));
 }
 
 Link shuffle(Link l, uint lane) {
-    return Link(subgroupShuffle(l.through, lane), subgroupShuffle(l.before, lane), subgroupShuffle(l.x, lane));
+    vec4 both = shuffle(vec4(l.through, l.before, 0.0, 0.0), lane);
+    return Link(both.x, both.y, shuffle(l.x, lane));
 }
 
 // S:1. In: the rows of the threads with their runs before them. Each thread but the last of the span is left with a row that
@@ -211,12 +239,7 @@ void solve_shared(int index) {
 }
 
 void main() {
-#if SUBGROUPS
-    uint lane = gl_SubgroupInvocationID;
-    int index = int(gl_SubgroupID) * SUBGROUP + int(lane);
-#else
-    int index = int(gl_LocalInvocationIndex);
-#endif
+    int index = own_index();
     int column = index % STRIP, thread = index / STRIP; // its line in the strip, its place in the line
     int line = first_line + int(gl_WorkGroupID.x) * STRIP + column;
     bool outside = line >= first_line + lines;
@@ -228,6 +251,7 @@ void main() {
     Row r = eliminate(before, run);
     int place = thread % SPAN, span = (thread / SPAN) * STRIP + column;
 #if SUBGROUPS
+    uint lane = uint(index % SUBGROUP);
     if (SPAN > 1) r = eliminate_span(r, run, place, lane);
 #endif
     if (place == 0) {
@@ -246,7 +270,7 @@ void main() {
 #if SUBGROUPS
     if (SPAN > 1) {
         vec4 y = place == SPAN - 1 || holes ? y_last : mean(vec3(r.g, -r.a, -r.c), diagonal(r), r.x, y_before, y_last);
-        vec4 y_left = subgroupShuffle(y, place == 0 ? lane : lane - STRIP);
+        vec4 y_left = shuffle(y, place == 0 ? lane : lane - STRIP);
         if (place > 0) y_before = y_left;
         y_last = y;
     }
