@@ -93,6 +93,7 @@ bench_vulkan *bench_vulkan_open(int device, ddof_status *status, char *why, size
                                            .device = d->session.device,
                                            .queue_family = d->session.family,
                                            .get_instance_proc_addr = d->session.get_instance_proc_addr,
+                                           .features = &d->session.features,
                                            .log = on_log,
                                            .log_user = vk};
         *status = ddof_vulkan_create(&vk->renderer, &config);

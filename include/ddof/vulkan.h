@@ -12,9 +12,9 @@
  *
  *     ddof_vulkan_frame *frame = NULL;                      // once per set of images
  *     ddof_vulkan_images images = {
- *         .color = {hdr, VK_FORMAT_R16G16B16A16_SFLOAT, w, h, hdr_usage},
- *         .depth = {z, VK_FORMAT_D32_SFLOAT, w, h, z_usage},
- *         .output = {result, VK_FORMAT_R16G16B16A16_SFLOAT, w, h, result_usage},
+ *         .color = {.image = hdr, .format = VK_FORMAT_R16G16B16A16_SFLOAT, .width = w, .height = h},
+ *         .depth = {.image = z, .format = VK_FORMAT_D32_SFLOAT, .width = w, .height = h},
+ *         .output = {.image = result, .format = VK_FORMAT_R16G16B16A16_SFLOAT, .width = w, .height = h},
  *         .channels = 3,                                    // alpha holds nothing of use
  *     };
  *     ddof_settings settings = {
@@ -155,7 +155,8 @@ typedef struct ddof_vulkan_stats {
     uint64_t reserved[8];                              /* written as 0 */
 } ddof_vulkan_stats;
 
-/* Makes the part that all frames share. On failure *vk is NULL and config->log has got the sentence.
+/* Makes the part that all frames share. On failure *vk is NULL and config->log has got the sentence; every later failure
+ * is told both to log and by ddof_vulkan_error() or ddof_vulkan_frame_error().
  * Errors: INVALID, MEMORY, DEVICE (out of its memory, lost), UNSUPPORTED (no Vulkan in this build, a missing feature, a
  * queue family without compute). */
 DDOF_API ddof_status ddof_vulkan_create(ddof_vulkan **vk, const ddof_vulkan_config *config);
@@ -177,12 +178,15 @@ DDOF_API int ddof_vulkan_can_sample(const ddof_vulkan *vk, VkFormat format);
 DDOF_API ddof_status ddof_vulkan_scratch(ddof_vulkan *vk, const ddof_vulkan_images *images,
                                          const ddof_settings *settings, VkMemoryRequirements *requirements);
 
-/* Makes what recording needs: image views, descriptor sets, scratch, and pipelines, compiled here the first time they
- * are needed, which is slow. It stays valid while the images live, and serves every view, lens, number of substeps and
- * conductance. Of the settings solver, surface and depth.kind are fixed here. solver   DEFAULT or LINE, PCR,
- * PCR3_SWEEP, CR4_PACK surface  RGBA16F: the intermediate lies in the output where that is floating-point, else in
- * scratch as half floats; RGBA32F: in scratch as floats, unless the output is R32G32B32A32_SFLOAT On failure *frame is
- * NULL. Errors: INVALID, MEMORY, DEVICE, UNSUPPORTED. */
+/* Makes what recording needs: image views, descriptor sets, scratch, and pipelines, compiled here the first time they are
+ * needed, which is slow. It stays valid while the images live, and serves every view, lens, number of substeps and
+ * conductance. Of the settings solver, surface and depth.kind are fixed here; the lens is not looked at yet.
+ *
+ *   solver   DEFAULT or LINE, PCR, PCR3_SWEEP, CR4_PACK
+ *   surface  RGBA16F: the intermediate lies in the output where that is floating-point, else in scratch as half floats;
+ *            RGBA32F: in scratch as floats, unless the output is R32G32B32A32_SFLOAT
+ *
+ * On failure *frame is NULL. Errors: INVALID, MEMORY, DEVICE, UNSUPPORTED. */
 DDOF_API ddof_status ddof_vulkan_frame_create(ddof_vulkan *vk, ddof_vulkan_frame **frame,
                                               const ddof_vulkan_images *images, const ddof_settings *settings);
 
