@@ -169,7 +169,7 @@ DDOF_API void ddof_vulkan_destroy(ddof_vulkan **vk);
 DDOF_API const char *ddof_vulkan_error(const ddof_vulkan *vk);
 DDOF_API const char *ddof_vulkan_frame_error(const ddof_vulkan_frame *frame);
 
-/* Whether an image of this format can be the output, and the colour, on this device. */
+/* Whether an image of this format can be the output, or an input (colour, depth, CoC), on this device. */
 DDOF_API int ddof_vulkan_can_output(const ddof_vulkan *vk, VkFormat format);
 DDOF_API int ddof_vulkan_can_sample(const ddof_vulkan *vk, VkFormat format);
 

@@ -105,6 +105,7 @@ static void look_at_device(ddof_vulkan *vk, const enabled *e) {
     vk->f.GetPhysicalDeviceProperties(vk->config.physical_device, &p);
     vk->f.GetPhysicalDeviceMemoryProperties(vk->config.physical_device, &vk->memory);
     vk->limits = p.limits;
+    vk->version = p.apiVersion;
     memcpy(vk->name, p.deviceName, sizeof vk->name);
     vk->name[sizeof vk->name - 1] = 0;
     vk->line =
@@ -124,6 +125,7 @@ static bool family_computes(ddof_vulkan *vk) {
 
 /* What must be there: NULL, or what is not. */
 static const char *missing(ddof_vulkan *vk, const enabled *e) {
+    if (vk->version < VK_API_VERSION_1_1) return "config.physical_device: it has Vulkan 1.0 only, 1.1 is needed";
     if (!e->synchronization2)
         return "config.features: synchronization2 is not enabled; enable it when the device is made";
     if (!e->write_without_format)

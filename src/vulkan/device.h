@@ -19,6 +19,7 @@ struct ddof_vulkan {
     const VkAllocationCallbacks *allocator; /* NULL, or the copy */
     vulkan_functions f;
     VkPhysicalDeviceLimits limits;
+    uint32_t version; /* of the device */
     VkPhysicalDeviceMemoryProperties memory;
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
     line_limits line;
