@@ -200,7 +200,7 @@ typedef enum ddof_solver {
 
 typedef enum ddof_surface {
     DDOF_SURFACE_DEFAULT = 0, /* RGBA16F */
-    DDOF_SURFACE_RGBA16F = 1, /* colour under way in half floats: error up to 2e-3 of the range */
+    DDOF_SURFACE_RGBA16F = 1, /* colour under way in half floats: error up to 2e-3 of the range for each substep */
     DDOF_SURFACE_RGBA32F = 2  /* in floats: 1e-4 (2e-3 where the solver packs), twice the memory for colour */
 } ddof_surface;
 

@@ -90,8 +90,8 @@ Row eliminate(float before, out Link run) {
     vec4 m = color_of(x);
     run = Link(before, 0.0, vec4(0.0));
     for (int k = 0; k < K - 1; k++) {
-        float s = 1.0 / max(run.through + beta[k] + w, 1e-35);
-        float left = run.through * w * s, right = beta[k] * w * s;
+        float s = 1.0 / max(run.through + beta[k] + w, 1e-35), part = w * s; // no product of two links: it may vanish
+        float left = run.through * part, right = beta[k] * part;
         run.through *= beta[k] * s;
         run.before += left;
         run.x = lerp(run.x, m, share(left, run.before));
