@@ -77,5 +77,5 @@ static void others_work(void **state) {
 int main(void) {
     static const struct CMUnitTest tests[] = {cmocka_unit_test(no_library), cmocka_unit_test(no_driver),
                                               cmocka_unit_test(others_work)};
-    return run_gl_tests("gl absent", tests, COUNT(tests), NULL);
+    return run_gpu_tests("gl absent", tests, COUNT(tests), NULL);
 }

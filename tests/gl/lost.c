@@ -76,5 +76,5 @@ static void lost(void **state) {
 
 int main(void) {
     static const struct CMUnitTest tests[] = {cmocka_unit_test(lost)};
-    return run_gl_tests("gl lost", tests, COUNT(tests), gl_missing());
+    return run_gpu_tests("gl lost", tests, COUNT(tests), gl_missing());
 }

@@ -188,7 +188,7 @@ int run_with_session(const char *group, const struct CMUnitTest *tests, int coun
     char text[300];
     const char *missing = gl_missing();
     if (!missing && (!egl_open(&session, text, sizeof text) || !egl_enter(&session, text, sizeof text))) missing = text;
-    const int failed = run_gl_tests(group, tests, count, missing);
+    const int failed = run_gpu_tests(group, tests, count, missing);
     if (!missing) {
         egl_leave(&session);
         egl_close(&session);

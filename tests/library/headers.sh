@@ -29,8 +29,16 @@ compile() { # NAME SOURCE
     report $? "$1 in C++17" "$output"
 }
 
+# shellcheck disable=SC2086
+has_vulkan() { printf '#include <vulkan/vulkan_core.h>\n' | $c -fsyntax-only -x c - 2>/dev/null; }
+
 for header in "$include"/ddof/*.h; do
     name=ddof/${header##*/}
+    if [ "$name" = ddof/vulkan.h ] && ! has_vulkan; then # the only one that needs headers from elsewhere
+        count=$((count + 1))
+        echo "ok $count - $name # SKIP the headers of Vulkan are not installed"
+        continue
+    fi
     compile "$name" "#include <$name>\n#include <$name>\nint main(void) { return 0; }\n"
 done
 

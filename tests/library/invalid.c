@@ -491,6 +491,31 @@ static void configs(void **state) {
     assert_sentence(logged, "context is NULL", "ddof_create");
 }
 
+/* Backends without devices have none, and no more is written than there is room for. */
+static void device_lists(void **state) {
+    static const ddof_backend none[] = {DDOF_BACKEND_AUTO, DDOF_BACKEND_CPU, DDOF_BACKEND_REFERENCE, (ddof_backend)99,
+                                        (ddof_backend)-1};
+    static const ddof_backend gpus[] = {DDOF_BACKEND_GL, DDOF_BACKEND_VULKAN};
+    (void)state;
+    ddof_device devices[3], untouched;
+    memset(&untouched, 0x77, sizeof untouched);
+    for (int i = 0; i < COUNT(none); i++) {
+        devices[0] = untouched;
+        assert_int_equal(ddof_devices(none[i], devices, 3), 0);
+        assert_memory_equal(&devices[0], &untouched, sizeof untouched);
+    }
+    for (int i = 0; i < COUNT(gpus); i++) {
+        devices[0] = devices[1] = untouched;
+        const int count = ddof_devices(gpus[i], NULL, 0);
+        assert_true(count >= 0);
+        assert_int_equal(ddof_devices(gpus[i], devices, 0), count);
+        assert_int_equal(ddof_devices(gpus[i], devices, -1), count);
+        assert_memory_equal(&devices[0], &untouched, sizeof untouched);
+        assert_int_equal(ddof_devices(gpus[i], devices, 1), count);
+        assert_memory_equal(&devices[1], &untouched, sizeof untouched);
+    }
+}
+
 int main(void) {
     static const test tests[] = {
         {"images", images, false, 0, 0},
@@ -505,6 +530,7 @@ int main(void) {
         {"enormous sizes and strides", enormous, false, 0, 0},
         {"ddof_coc", coc_requests, false, 0, 0},
         {"ddof_create", configs, false, 0, 0},
+        {"ddof_devices", device_lists, false, 0, 0},
     };
     return run_library_tests("invalid", tests, COUNT(tests));
 }
