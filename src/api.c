@@ -15,7 +15,7 @@
 #include "cpu/engine.h"
 
 /* Large blocks ask for huge pages: touching the scratch of a 4K frame for the first time otherwise costs as much as solving it. */
-static void *default_allocate(void *user, size_t bytes) {
+void *context_allocate(void *user, size_t bytes) {
     const size_t huge = (size_t)2 << 20, line = 64, align = bytes >= 2 * huge ? huge : line;
     (void)user;
     if (bytes > SIZE_MAX - align) return NULL;
@@ -27,7 +27,7 @@ static void *default_allocate(void *user, size_t bytes) {
     return p;
 }
 
-static void default_release(void *user, void *memory) {
+void context_release(void *user, void *memory) {
     (void)user;
     free(memory);
 }
@@ -124,8 +124,8 @@ ddof_status ddof_create(ddof_context **context, const ddof_config *config) {
     ddof_status status = check_config(&c, &wrong);
     if (status == DDOF_OK) {
         if (!c.allocate) {
-            c.allocate = default_allocate;
-            c.release = default_release;
+            c.allocate = context_allocate;
+            c.release = context_release;
         }
         ddof_context *ctx = c.allocate(c.memory_user, sizeof *ctx);
         status = DDOF_ERROR_MEMORY;

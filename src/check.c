@@ -10,12 +10,11 @@
 
 enum { MAX_SIDE = 1 << 20, MAX_SUBSTEPS = 64, MAX_THREADS = 256 };
 
-static bool all_zero(const uint64_t *reserved, size_t count) {
+bool context_all_zero(const uint64_t *reserved, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (reserved[i]) return false;
     return true;
 }
-#define RESERVED_ZERO(p) all_zero((p)->reserved, sizeof(p)->reserved / sizeof *(p)->reserved)
 
 ddof_status check_config(const ddof_config *c, const char **wrong) {
     *wrong = NULL;

@@ -64,6 +64,14 @@ struct ddof_context {
     atomic_bool cancelled;
 };
 
+/* What memory callbacks are where the caller gives none. */
+void *context_allocate(void *user, size_t bytes);
+void context_release(void *user, void *memory);
+
+/* Whether all `reserved` members of a struct are 0. */
+bool context_all_zero(const uint64_t *reserved, size_t count);
+#define RESERVED_ZERO(p) context_all_zero((p)->reserved, sizeof(p)->reserved / sizeof *(p)->reserved)
+
 /* Sets the error text and returns the status. */
 ddof_status context_fail(ddof_context *ctx, ddof_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

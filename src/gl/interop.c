@@ -3,7 +3,6 @@
 
 /* The functions of ddof/gl.h: what the caller says is checked, her state is kept. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "device.h"
@@ -11,22 +10,6 @@
 
 /* Of ES 3.1. */
 enum { TEXTURE_WIDTH = 0x1000, TEXTURE_HEIGHT = 0x1001, TEXTURE_INTERNAL_FORMAT = 0x1003 };
-
-static void *default_allocate(void *user, size_t bytes) {
-    (void)user;
-    return malloc(bytes);
-}
-
-static void default_release(void *user, void *memory) {
-    (void)user;
-    free(memory);
-}
-
-static bool all_zero(const uint64_t *reserved, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        if (reserved[i]) return false;
-    return true;
-}
 
 ddof_status ddof_gl_create(ddof_gl **gl, const ddof_gl_config *config) {
     char text[512] = "";
@@ -39,14 +22,14 @@ ddof_status ddof_gl_create(ddof_gl **gl, const ddof_gl_config *config) {
         snprintf(text, sizeof text, "config.get_proc is NULL: how are GL's functions to be found?");
     else if (!c.allocate != !c.release)
         snprintf(text, sizeof text, "config.allocate and config.release must both be given, or neither");
-    else if (!all_zero(c.reserved, sizeof c.reserved / sizeof *c.reserved))
+    else if (!RESERVED_ZERO(&c))
         snprintf(text, sizeof text, "config.reserved must be 0");
     else
         status = DDOF_OK;
     if (status == DDOF_OK) {
         if (!c.allocate) {
-            c.allocate = default_allocate;
-            c.release = default_release;
+            c.allocate = context_allocate;
+            c.release = context_release;
         }
         status = gl_device_create(gl, &c, NULL, text, sizeof text);
     }

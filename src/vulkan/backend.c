@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "device.h"
+
 enum {
     PATIENCE_MS = 100, /* of one wait, after which the caller is asked whether to go on */
     WAITS = 6000       /* ten minutes: then the GPU is taken for hung */
@@ -14,22 +16,7 @@ enum {
 /* ---- errors */
 
 ddof_status vulkan_check(const vulkan_backend *b, VkResult result, const char *doing) {
-    switch (result) {
-    case VK_SUCCESS:
-        return DDOF_OK;
-    case VK_ERROR_OUT_OF_HOST_MEMORY:
-        return context_fail(b->owner, DDOF_ERROR_MEMORY, "the Vulkan driver (%s) is out of memory while %s", b->name,
-                            doing);
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-        return context_fail(b->owner, DDOF_ERROR_DEVICE,
-                            "the Vulkan device (%s) is out of its memory while %s: give a smaller picture", b->name,
-                            doing);
-    case VK_ERROR_DEVICE_LOST:
-        return context_fail(b->owner, DDOF_ERROR_DEVICE, "the Vulkan device (%s) was lost while %s", b->name, doing);
-    default:
-        return context_fail(b->owner, DDOF_ERROR_DEVICE, "the Vulkan device (%s) reported VkResult %d while %s",
-                            b->name, (int)result, doing);
-    }
+    return vulkan_result(b->owner, b->name, result, doing);
 }
 
 /* The sentence of a ddof_vulkan that could not be made comes no other way. */

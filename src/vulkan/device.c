@@ -6,23 +6,26 @@
 #include <stdio.h>
 #include <string.h>
 
-ddof_status vulkan_device_check(ddof_vulkan *vk, VkResult result, const char *what) {
+ddof_status vulkan_result(ddof_context *ctx, const char *device, VkResult result, const char *doing) {
     switch (result) {
     case VK_SUCCESS:
         return DDOF_OK;
     case VK_ERROR_OUT_OF_HOST_MEMORY:
-        return context_fail(&vk->shell, DDOF_ERROR_MEMORY, "%s: Vulkan (%s) is out of host memory", what, vk->name);
+        return context_fail(ctx, DDOF_ERROR_MEMORY, "the Vulkan driver (%s) is out of memory while %s", device, doing);
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-        return context_fail(&vk->shell, DDOF_ERROR_DEVICE,
-                            "%s: the device (%s) is out of memory; free some, or render a smaller picture", what,
-                            vk->name);
+        return context_fail(ctx, DDOF_ERROR_DEVICE,
+                            "the Vulkan device (%s) is out of its memory while %s: give a smaller picture", device,
+                            doing);
     case VK_ERROR_DEVICE_LOST:
-        return context_fail(&vk->shell, DDOF_ERROR_DEVICE, "%s: the device (%s) was lost; make another", what,
-                            vk->name);
+        return context_fail(ctx, DDOF_ERROR_DEVICE, "the Vulkan device (%s) was lost while %s", device, doing);
     default:
-        return context_fail(&vk->shell, DDOF_ERROR_DEVICE, "%s: Vulkan (%s) answers with error %d", what, vk->name,
-                            (int)result);
+        return context_fail(ctx, DDOF_ERROR_DEVICE, "the Vulkan device (%s) reported VkResult %d while %s", device,
+                            (int)result, doing);
     }
+}
+
+ddof_status vulkan_device_check(ddof_vulkan *vk, VkResult result, const char *doing) {
+    return vulkan_result(&vk->shell, vk->name, result, doing);
 }
 
 uint32_t vulkan_device_memory(const ddof_vulkan *vk, uint32_t bits) {

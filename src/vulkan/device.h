@@ -32,8 +32,9 @@ struct ddof_vulkan {
 /* Bindings of pass.glsl and levels.glsl. */
 enum { BIND_COLOR, BIND_MAP, BIND_TARGET, BIND_LEVELS_IN, BIND_LEVELS_OUT, VULKAN_BINDINGS };
 
-/* DDOF_OK, or the error that `result` means; `what` was to be done. */
-ddof_status vulkan_device_check(ddof_vulkan *vk, VkResult result, const char *what);
+/* DDOF_OK, or the error that `result` means, set in the context; what was being done goes after "while". */
+ddof_status vulkan_result(ddof_context *ctx, const char *device, VkResult result, const char *doing);
+ddof_status vulkan_device_check(ddof_vulkan *vk, VkResult result, const char *doing);
 
 /* device.c: on failure *vk is NULL and `text` says why. */
 ddof_status vulkan_device_create(ddof_vulkan **vk, const ddof_vulkan_config *config, char *text, size_t size);

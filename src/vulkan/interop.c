@@ -2,28 +2,10 @@
  * SPDX-License-Identifier: MIT */
 
 /* The functions of ddof/vulkan.h: what the caller says is checked before anything is made or recorded. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "frame.h"
 #include "passes.h"
-
-static void *default_allocate(void *user, size_t bytes) {
-    (void)user;
-    return malloc(bytes);
-}
-
-static void default_release(void *user, void *memory) {
-    (void)user;
-    free(memory);
-}
-
-static bool all_zero(const uint64_t *reserved, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        if (reserved[i]) return false;
-    return true;
-}
-#define RESERVED_ZERO(p) all_zero((p)->reserved, sizeof(p)->reserved / sizeof *(p)->reserved)
 
 /* ---- what all frames share */
 
@@ -51,8 +33,8 @@ ddof_status ddof_vulkan_create(ddof_vulkan **vk, const ddof_vulkan_config *confi
         return DDOF_ERROR_INVALID;
     }
     if (!c.allocate) {
-        c.allocate = default_allocate;
-        c.release = default_release;
+        c.allocate = context_allocate;
+        c.release = context_release;
     }
     ddof_status status = vulkan_device_create(vk, &c, text, sizeof text);
     if (status != DDOF_OK && c.log && text[0]) c.log(c.log_user, DDOF_LOG_ERROR, text);
@@ -229,11 +211,10 @@ static ddof_status choose_solver(ddof_vulkan *vk, ddof_vulkan_frame *f, const dd
         f->solver != DDOF_SOLVER_CR4_PACK)
         return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
                             "settings.solver is one of the GL backend: Vulkan has LINE, PCR, PCR3_SWEEP and CR4_PACK");
-    enum { STRIP = 4, SHORT = 8 }; /* as in passes.c */
     const int length[2] = {(int)f->images.color.width, (int)f->images.color.height};
     for (int i = 0; i < 2; i++) {
         const bool whole = f->solver == DDOF_SOLVER_LINE;
-        if (line_plan_make(&f->line[i], &vk->line, whole ? length[i] : SHORT, i ? STRIP : 1)) continue;
+        if (line_plan_make(&f->line[i], &vk->line, whole ? length[i] : VULKAN_SHORT, i ? VULKAN_STRIP : 1)) continue;
         if (!whole)
             return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "this device (%s) has too small workgroups",
                                 vk->name);

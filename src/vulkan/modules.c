@@ -40,8 +40,7 @@ static const uint32_t final_solve4[] = {
 };
 /* clang-format on */
 
-#define CODE(name)                                                                                                     \
-    { #name, name, sizeof name }
+#define CODE(name) {"compiling the shader " #name, name, sizeof name}
 
 const vulkan_code vulkan_codes[VULKAN_MODULES] = {
     [MODULE_LINE] = CODE(line_0),

@@ -8,8 +8,6 @@
 enum {
     THREADS = 64, /* of a workgroup of the passes that have a thread for each unknown */
     SYSTEMS = 8,  /* that three steps of PCR leave */
-    SHORT = 8,    /* lines of fewer pixels are LINE's, whatever the solver */
-    STRIP = 4,    /* columns side by side: 32 bytes of half floats, the least that memory hands out */
     ROW_WORDS = 2 /* of 16 bytes, of a row in a table; a packed one has 1 */
 };
 
@@ -229,7 +227,7 @@ static void cr4_pack(direction *d) {
 }
 
 static size_t bytes_per_line(ddof_solver solver, int length) {
-    if (solver == DDOF_SOLVER_LINE || length < SHORT) return 0;
+    if (solver == DDOF_SOLVER_LINE || length < VULKAN_SHORT) return 0;
     if (solver == DDOF_SOLVER_CR4_PACK) return (size_t)chain_of(length).words * 16;
     return (size_t)length * 2 * ROW_WORDS * 16;
 }

@@ -8,6 +8,11 @@
 
 #include "frame.h"
 
+enum {
+    VULKAN_SHORT = 8, /* lines of fewer pixels are LINE's, whatever the solver */
+    VULKAN_STRIP = 4  /* columns side by side: 32 bytes of half floats, the least that memory hands out */
+};
+
 /* The part of the images that is the picture, checked. */
 typedef struct vulkan_region {
     int x, y, width, height;

@@ -13,7 +13,7 @@ static VkShaderModule make_module(ddof_vulkan *vk, vulkan_module module, ddof_st
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->bytes, .pCode = code->word};
     VkShaderModule made = VK_NULL_HANDLE;
     *status =
-        vulkan_device_check(vk, vk->f.CreateShaderModule(vk->config.device, &info, vk->allocator, &made), code->name);
+        vulkan_device_check(vk, vk->f.CreateShaderModule(vk->config.device, &info, vk->allocator, &made), code->making);
     return *status == DDOF_OK ? made : VK_NULL_HANDLE;
 }
 
@@ -42,7 +42,7 @@ static VkPipeline make(ddof_vulkan *vk, vulkan_module module, const vulkan_const
         .layout = vk->pipeline_layout};
     *status = vulkan_device_check(
         vk, vk->f.CreateComputePipelines(vk->config.device, vk->pipeline_cache, 1, &info, vk->allocator, &made),
-        vulkan_codes[module].name);
+        vulkan_codes[module].making);
     vk->f.DestroyShaderModule(vk->config.device, shader, vk->allocator);
     return *status == DDOF_OK ? made : VK_NULL_HANDLE;
 }

@@ -24,7 +24,7 @@ typedef enum vulkan_module {
 } vulkan_module;
 
 typedef struct vulkan_code {
-    const char *name;
+    const char *making; /* what to call it in an error */
     const uint32_t *word;
     size_t bytes;
 } vulkan_code;
