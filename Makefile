@@ -1,6 +1,7 @@
-# The two commands of a fresh checkout; everything else is meson (see README.md).
+# The commands of a fresh checkout; everything else is meson (see README.md).
 # `make demo` shows a picture, `make test` runs every test, `make test-VARIANT` one variant of them
-# (release, asan, tsan, arm64). Both install what is missing where they may.
+# (release, asan, tsan, arm64). Both install what is missing where they may. `make quality` measures methods against
+# pictures of a real lens, where such scenes are at hand, and writes docs/quality.
 
 demo:
 	@sh scripts/setup.sh build
@@ -12,4 +13,8 @@ test:
 test-%:
 	@sh scripts/test.sh $*
 
-.PHONY: demo test
+quality:
+	@sh scripts/setup.sh build
+	@sh scripts/quality.sh
+
+.PHONY: demo test quality

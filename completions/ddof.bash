@@ -12,7 +12,7 @@ _ddof_options() {
         render) echo "--output $blur --conductance --substeps --preview --exposure $engine $gpu $report" ;;
         coc) echo "--output $blur --exposure $engine $report" ;;
         info) echo "--layer --depth --threads $report" ;;
-        compare) echo "--output --layer --mask --amplify --invert --threads $report" ;;
+        compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
             --conductance --substeps $engine $gpu $report" ;;
         solvers) echo "--size $report" ;;

@@ -9,7 +9,7 @@ set -eu
 packages() {
     case $1 in
     build) echo gcc g++ meson ninja-build pkg-config libopenexr-dev libpng-dev libtiff-dev libdeflate-dev libcjson-dev libegl-dev libgles-dev libvulkan-dev glslc libglfw3-dev ;;
-    test) echo libcmocka-dev binutils python3 libegl1 libgl1-mesa-dri libvulkan1 mesa-vulkan-drivers vulkan-validationlayers chromium ;;
+    test) echo libcmocka-dev binutils python3 libegl1 libgl1-mesa-dri libvulkan1 mesa-vulkan-drivers vulkan-validationlayers chromium python3-numpy ;;
     arm64) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user ;;
     *) echo "setup.sh: no such purpose: $1" >&2; exit 2 ;;
     esac

@@ -42,6 +42,8 @@ typedef enum option_id {
     OPT_MAX_COC_NEAR,
     OPT_MAX_COC_FAR,
     OPT_MASK,
+    OPT_COMPARE_COC,
+    OPT_PPD,
     OPT_AMPLIFY,
     OPT_INVERT,
     OPT_SIZE,

@@ -67,6 +67,10 @@ const option_spec option_table[OPT_COUNT] = {
 
     [OPT_MASK] = {"mask", 0, KIND_TEXT, "FILE", "mask.png",
         "also measure inside (values of 0.5 and more) and outside of this mask", M, 0, 0, 0, NULL},
+    [OPT_COMPARE_COC] = {"coc", 0, KIND_TEXT, "FILE[:CHANNEL]", "coc.exr",
+        "signed CoC (of 'ddof coc'): also measure in focus, defocused, and at silhouettes", M, 0, 0, 0, NULL},
+    [OPT_PPD] = {"ppd", 0, KIND_NUMBER, "N", "67",
+        "FLIP: pixels in a degree of sight, 1 to 1000 (default 67: a 4K display 0.7 m wide, from 0.7 m)", M, 1, 1000, false, NULL},
     [OPT_AMPLIFY] = {"amplify", 0, KIND_NUMBER, "N", "255",
         "the picture of --output is |A - B| times N, no tone map or sRGB curve (default 255)", M, 0, 1e6, true, NULL},
     [OPT_INVERT] = {"invert", 0, KIND_FLAG, NULL, NULL,
@@ -152,8 +156,9 @@ const command_spec command_table[COMMAND_COUNT] = {
                       "  ddof info shot.exr\n"
                       "  ddof info shot.exr --layer beauty --depth aovs.exr:depth.Z\n"
                       "  ddof info shot.exr --json\n"},
-    [COMMAND_COMPARE] = {"compare", 2, false, "A B", "how far two pictures are apart: PSNR, SSIM, largest error",
+    [COMMAND_COMPARE] = {"compare", 2, false, "A B", "how far two pictures are apart: PSNR, SSIM, FLIP, largest error",
                          "  ddof compare out.exr truth.exr\n"
+                         "  ddof compare out.exr truth.exr --coc coc.exr\n"
                          "  ddof compare out.exr truth.exr --mask subject.png --json\n"
                          "  ddof compare packed.exr unpacked.exr --amplify 255 --invert -o difference.png\n"},
     [COMMAND_BENCH] = {"bench", 0, false, "", "time the solve on a made-up picture, next to a copy of it in memory",
