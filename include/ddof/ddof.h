@@ -362,8 +362,8 @@ DDOF_API ddof_status ddof_render(ddof_context *context, const ddof_frame *frame,
                                  ddof_stats *stats);
 
 /* Writes the signed CoC that ddof_render() would use into frame->output (1 channel, the size of depth or coc); frame->color
- * is not used. Handed back as frame.coc (DDOF_FLOAT) it renders the same bits. NaN where a pixel is a hole for want of
- * depth. Errors as ddof_render(). */
+ * is not used. Handed back as frame.coc (DDOF_FLOAT) it renders the same bits, by a GPU backend the same to 1e-5. NaN where
+ * a pixel is a hole for want of depth. Errors as ddof_render(). */
 DDOF_API ddof_status ddof_coc(ddof_context *context, const ddof_frame *frame, const ddof_settings *settings,
                               ddof_stats *stats);
 

@@ -14,7 +14,7 @@ uniform vec2 lens_limit;   // far, near; pixels
 
 const float NO_COC = 2e5;    // a pixel whose CoC is not known
 const float COC_LIMIT = 1e5; // as in src/coc_limits.h
-const float BETA_FLOOR = 1e-20;
+const float BETA_FLOOR = 1e-14;
 
 bool is_finite(float v) {
     return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u;

@@ -22,7 +22,7 @@ layout(constant_id = 9) const int SUBGROUP = 1; // its size, a multiple of STRIP
 
 // Threads of a subgroup that stand in one line, and the unknowns of the workgroup that shared memory holds.
 const int SPAN = SUBGROUP > STRIP ? SUBGROUP / STRIP : 1;
-const int ROWS = WORKGROUP / SPAN;
+const int ROWS = int(gl_WorkGroupSize.x) / SPAN;
 
 shared vec4 shared_x[ROWS], shared_left_x[ROWS];
 shared float shared_a[ROWS], shared_g[ROWS], shared_c[ROWS];
@@ -65,7 +65,8 @@ vec4 color_of(vec4 x) { // of a hole: anything finite, its weight is 0
 
 // Beyond the end of the line hang holes, which take the last pixel's value and change nothing.
 float padded_coc(int i, int line) {
-    return i < unknowns ? coc_at(i, line) : NO_COC;
+    float d = coc_at(i, line); // read in any case: many reads under way at once, none behind a branch
+    return i < unknowns ? d : NO_COC;
 }
 
 // Reads the pixels from `first` on. Returns the conductance of the link before them.
@@ -74,8 +75,8 @@ float load(int first, int line) {
     for (int k = 0; k < K; k++) {
         int i = first + k;
         float e = padded_coc(i + 1, line);
-        vec4 x = nothing();
-        if (i < unknowns) x = color_at(i, line, d);
+        vec4 x = color_at(i, line, d);
+        if (i >= unknowns) x = nothing();
         beta[k] = link(d, e);
         keep(k, x);
         d = e;
@@ -146,7 +147,7 @@ int own_index() {
 #endif
 
 #if SUBGROUPS == 2
-shared vec4 shuffled[WORKGROUP];
+shared vec4 shuffled[gl_WorkGroupSize.x];
 
 vec4 shuffle(vec4 v, uint lane) {
     int index = own_index();

@@ -7,7 +7,6 @@
 #extension GL_EXT_samplerless_texture_functions : require
 
 layout(local_size_x_id = 0) in;
-layout(constant_id = 0) const int WORKGROUP = 64;
 layout(constant_id = 1) const int VERTICAL = 0;
 layout(constant_id = 2) const int DEPTH = 0;
 layout(constant_id = 3) const int ALPHA = 1;

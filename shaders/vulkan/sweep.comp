@@ -13,8 +13,9 @@ layout(set = 0, binding = 4, std430) buffer Pad { vec4 pad[]; };
 
 void main() {
     // Threads that stand side by side take neighbouring systems of a line; of columns, the same one of neighbouring lines.
-    int first = VERTICAL != 0 ? int(gl_GlobalInvocationID.y) : int(gl_GlobalInvocationID.x);
-    int line = VERTICAL != 0 ? int(gl_GlobalInvocationID.x) : int(gl_GlobalInvocationID.y);
+    int id = int(gl_GlobalInvocationID.x);
+    int first = VERTICAL != 0 ? int(gl_GlobalInvocationID.y) : id % stride;
+    int line = VERTICAL != 0 ? id : id / stride;
     if (line >= lines || first >= stride || first >= unknowns) return;
 
     float rest = 0.0; // what the row is held by, through those before it

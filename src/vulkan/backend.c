@@ -301,7 +301,16 @@ static void vulkan_backend_trim(ddof_context *ctx) {
     if (b->vk) vulkan_pictures_delete(b);
 }
 
-/* A device that was lost, or is out of its memory, is closed at once; the next frame opens it anew. */
+/* Whether work may still be under way, for a wait for it failed. */
+static bool unsettled(const vulkan_backend *b) {
+    bool pending = false;
+    for (int i = 0; i < SLOTS; i++)
+        pending = pending || b->slot[i].pending;
+    return pending;
+}
+
+/* A device that was lost, is out of its memory, or cannot be waited for is closed at once; the next frame opens it
+ * anew. */
 static ddof_status vulkan_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
     vulkan_backend *b = ctx->device;
     staging st = staging_lay_out(job, scratch);
@@ -310,8 +319,8 @@ static ddof_status vulkan_diffuse(ddof_context *ctx, frame_job *job, void *scrat
     if (status != DDOF_OK) return status;
     status = diffuse_now(b, job, &st);
     const ddof_status settled = settle(b);
-    if (settled != DDOF_OK) status = settled;
-    if (status == DDOF_ERROR_DEVICE) shut(b);
+    if (status == DDOF_OK || settled == DDOF_ERROR_DEVICE) status = settled;
+    if (status == DDOF_ERROR_DEVICE || unsettled(b)) shut(b);
     return status;
 }
 

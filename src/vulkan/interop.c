@@ -94,10 +94,17 @@ static bool listed(const VkFormat *list, VkFormat format) {
     return *list != 0;
 }
 
+/* The shaders name no format when they store: from Vulkan 1.3 on, a device says for each whether it can do that. */
 static bool has_feature(const ddof_vulkan *vk, VkFormat format, VkFormatFeatureFlags feature) {
-    VkFormatProperties p;
-    vk->f.GetPhysicalDeviceFormatProperties(vk->config.physical_device, format, &p);
-    return (p.optimalTilingFeatures & feature) == feature;
+    VkFormatProperties3 more = {.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_3};
+    VkFormatProperties2 p = {.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2};
+    const bool stores = feature & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+    if (stores && vk->version >= VK_API_VERSION_1_3) p.pNext = &more;
+    vk->f.GetPhysicalDeviceFormatProperties2(vk->config.physical_device, format, &p);
+    if (p.pNext && more.optimalTilingFeatures &&
+        !(more.optimalTilingFeatures & VK_FORMAT_FEATURE_2_STORAGE_WRITE_WITHOUT_FORMAT_BIT))
+        return false;
+    return (p.formatProperties.optimalTilingFeatures & feature) == feature;
 }
 
 int ddof_vulkan_can_output(const ddof_vulkan *vk, VkFormat format) {
@@ -307,7 +314,7 @@ ddof_status ddof_vulkan_scratch(ddof_vulkan *vk, const ddof_vulkan_images *image
     ddof_status status = describe(vk, &f, images, settings, false);
     if (status != DDOF_OK) return status;
     status = vulkan_scratch_make(vk, &f);
-    if (status == DDOF_OK) *requirements = f.scratch.total;
+    if (status == DDOF_OK && f.scratch.total.size) *requirements = f.scratch.total;
     vulkan_scratch_delete(vk, &f.scratch);
     return status;
 }

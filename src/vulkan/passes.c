@@ -169,7 +169,7 @@ static void pcr3_sweep(direction *d) {
     if (d->vertical)
         pass(d, MODULE_SWEEP, groups(d->push.lines, THREADS), SYSTEMS);
     else
-        pass(d, MODULE_SWEEP, groups(SYSTEMS, THREADS), d->push.lines);
+        pass(d, MODULE_SWEEP, groups(SYSTEMS * d->push.lines, THREADS), 1);
 }
 
 /* The chain of CR4: unknowns of its levels, and where they begin for one line, in words of 16 bytes. */

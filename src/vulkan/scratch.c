@@ -70,14 +70,15 @@ ddof_status vulkan_scratch_make(ddof_vulkan *vk, ddof_vulkan_frame *frame) {
         vk->f.GetBufferMemoryRequirements(device, s->levels, &r);
         s->levels_offset = place(vk, s, &r);
     }
-    return DDOF_OK;
+    if (s->total.memoryTypeBits) return DDOF_OK;
+    return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
+                        "this device (%s) has no memory for images and buffers alike: use the solver LINE", vk->name);
 }
 
 static ddof_status allocate(ddof_vulkan *vk, vulkan_scratch *s) {
     const uint32_t type = vulkan_device_memory(vk, s->total.memoryTypeBits);
     if (type == UINT32_MAX)
-        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "this device (%s) has no memory for images and buffers alike", vk->name);
+        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "this device (%s) has no memory for scratch", vk->name);
     const VkMemoryAllocateInfo info = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = s->total.size, .memoryTypeIndex = type};
     return vulkan_device_check(vk, vk->f.AllocateMemory(vk->config.device, &info, vk->allocator, &s->memory),

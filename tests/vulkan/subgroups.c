@@ -29,13 +29,13 @@ static void check_size(int width, int height, int size, coc_pattern coc, rng *r)
 }
 
 static void sizes(int subgroup) {
-    static const int length[] = {1, 7, 8, 9, 31, 63, 64, 65, 255, 256, 257, 511, 513, 2049};
+    static const int length[] = {1, 7, 9, 63, 65, 256, 257, 513, 2049};
     rng r = {(uint64_t)subgroup};
     for (int i = 0; i < COUNT(length); i++) {
         check_size(length[i], 3, subgroup, (coc_pattern)rng_range(&r, 0, COC_HUGE), &r);
         check_size(5, length[i], subgroup, (coc_pattern)rng_range(&r, 0, COC_HUGE), &r);
     }
-    check_size(700, 530, subgroup, COC_RANDOM, &r);
+    check_size(300, 230, subgroup, COC_RANDOM, &r);
 }
 
 static void of_4(void **state) {
