@@ -16,7 +16,7 @@ options() {
     release) ;;
     asan) echo --buildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
     tsan) echo --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=thread -Db_lundef=false -Ddefault_library=static ;;
-    arm64) echo --cross-file build-test/arm64.ini --buildtype=debugoptimized -Dtools=false -Ddefault_library=static ;;
+    arm64) echo --cross-file build-test/arm64.ini --buildtype=debugoptimized -Dtools=false -Dvulkan=disabled -Ddefault_library=static ;;
     *) echo "test.sh: no such variant: $1 (release, asan, tsan, arm64)" >&2; exit 2 ;;
     esac
 }
