@@ -22,6 +22,11 @@ typedef struct lens_curve {
     float limit_far, limit_near; /* pixels, > 0 */
 } lens_curve;
 
+/* q_near for shaders, which need not know infinities: such a limit is out of every depth's reach. */
+static inline float lens_q_near(const lens_curve *curve) {
+    return curve->q_near < 3e38f ? curve->q_near : 3e38f;
+}
+
 /* 1/z of one value of the depth image, at (x, y) in the picture; NaN for what makes a hole. */
 double lens_inverse_depth(const lens_curve *curve, double value, double x, double y);
 

@@ -33,18 +33,13 @@ typedef struct direction {
     ddof_status status;
 } direction;
 
-/* The infinite limit of a curve is out of every depth's reach; GLSL need not know infinities. */
-static float bounded(float v) {
-    return v < 3e38f ? v : 3e38f;
-}
-
 static void set_lens(const gl_functions *f, const GLint *u, const gl_frame *frame) {
     const lens_curve *c = &frame->job->curve;
     const ddof_frame *in = frame->job->frame;
     f->Uniform2f(u[U_DEPTH_LINEAR], c->offset, c->slope);
     f->Uniform4f(u[U_DEPTH_AXIS], c->x_center - (float)in->offset_x, c->y_center - (float)in->offset_y, c->x_tangent,
                  c->y_tangent);
-    f->Uniform4f(u[U_LENS_CURVE], c->q_far, bounded(c->q_near), c->gain_far, c->gain_near);
+    f->Uniform4f(u[U_LENS_CURVE], c->q_far, lens_q_near(c), c->gain_far, c->gain_near);
     f->Uniform2f(u[U_LENS_LIMIT], c->limit_far, c->limit_near);
 }
 

@@ -7,15 +7,11 @@
 
 #include "passes.h"
 
-bool vulkan_format_is_float(VkFormat format) {
-    return format == VK_FORMAT_R32G32B32A32_SFLOAT || format == VK_FORMAT_R16G16B16A16_SFLOAT;
+bool vulkan_format_is_depth(VkFormat format) {
+    return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
 }
 
 /* ---- views */
-
-static bool is_depth_format(VkFormat format) {
-    return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
-}
 
 /* A view restricted to one usage: the format may allow no other. */
 static ddof_status view(ddof_vulkan *vk, VkImage image, VkFormat format, uint32_t level, uint32_t layer,
@@ -27,7 +23,7 @@ static ddof_status view(ddof_vulkan *vk, VkImage image, VkFormat format, uint32_
         .image = image,
         .viewType = VK_IMAGE_VIEW_TYPE_2D,
         .format = format,
-        .subresourceRange = {is_depth_format(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, level, 1,
+        .subresourceRange = {vulkan_format_is_depth(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, level, 1,
                              layer, 1}};
     return vulkan_device_check(vk, vk->f.CreateImageView(vk->config.device, &info, vk->allocator, made), what);
 }

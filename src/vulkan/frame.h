@@ -65,7 +65,7 @@ ddof_status vulkan_scratch_make(ddof_vulkan *vk, ddof_vulkan_frame *frame);
 ddof_status vulkan_scratch_bind(ddof_vulkan *vk, ddof_vulkan_frame *frame);
 void vulkan_scratch_delete(ddof_vulkan *vk, vulkan_scratch *s);
 
-/* Whether one can be read and written in either direction as the intermediate. */
-bool vulkan_format_is_float(VkFormat format);
+/* Whether it has a depth aspect. */
+bool vulkan_format_is_depth(VkFormat format);
 
 #endif

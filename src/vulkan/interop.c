@@ -119,7 +119,7 @@ int ddof_vulkan_can_sample(const ddof_vulkan *vk, VkFormat format) {
 /* ---- the images of a frame */
 
 static bool layout_allowed(VkFormat format, VkImageLayout layout) {
-    const bool depth = format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
+    const bool depth = vulkan_format_is_depth(format);
     switch (layout) {
     case VK_IMAGE_LAYOUT_GENERAL:
     case VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL:
@@ -160,9 +160,8 @@ static ddof_status check_image(ddof_vulkan *vk, ddof_vulkan_image *i, const char
         return context_fail(shell, DDOF_ERROR_INVALID, "images.%s.layout %d is none that ddof/vulkan.h lists for it",
                             name, i->layout);
     if (!i->layout)
-        i->layout = i->format >= VK_FORMAT_D16_UNORM && i->format <= VK_FORMAT_D32_SFLOAT_S8_UINT
-                        ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
-                        : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+        i->layout = vulkan_format_is_depth(i->format) ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
+                                                      : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     return DDOF_OK;
 }
 

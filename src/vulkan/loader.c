@@ -39,7 +39,7 @@ typedef struct candidate {
     VkPhysicalDeviceType type;
     uint32_t version, family;
     bool synchronization2, subgroup_size, driver, portability;                  /* extensions */
-    VkBool32 write_without_format, extended_formats, synchronized, sized, full; /* features */
+    VkBool32 write_without_format, synchronized, sized, full; /* features */
     ddof_device shown;
 } candidate;
 
@@ -173,7 +173,6 @@ static void look_at_features(const instance *in, candidate *c) {
     }
     in->GetPhysicalDeviceFeatures2(c->gpu, &all);
     c->write_without_format = all.features.shaderStorageImageWriteWithoutFormat;
-    c->extended_formats = all.features.shaderStorageImageExtendedFormats;
     c->synchronized = sync.synchronization2;
     c->sized = sizes.subgroupSizeControl;
     c->full = sizes.computeFullSubgroups;
@@ -296,8 +295,7 @@ static void choose_features(vulkan_session *s, const candidate *c) {
         .synchronization2 = VK_TRUE};
     s->features = (VkPhysicalDeviceFeatures2){.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                               .pNext = &s->synchronization2,
-                                              .features.shaderStorageImageWriteWithoutFormat = VK_TRUE,
-                                              .features.shaderStorageImageExtendedFormats = c->extended_formats};
+                                              .features.shaderStorageImageWriteWithoutFormat = VK_TRUE};
 }
 
 static VkResult create_device(const instance *in, const candidate *c, const VkPhysicalDeviceFeatures2 *features,

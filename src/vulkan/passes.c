@@ -50,26 +50,23 @@ static vulkan_constants constants_of(const direction *d, vulkan_module module) {
     return c;
 }
 
+static VkPipeline find_pipeline(const ddof_vulkan_frame *f, vulkan_module module, const vulkan_constants *c) {
+    for (int i = 0; i < f->pipelines; i++)
+        if (f->pipeline[i].module == module && !memcmp(&f->pipeline[i].constants, c, sizeof *c))
+            return f->pipeline[i].handle;
+    return VK_NULL_HANDLE;
+}
+
 static void prepare(direction *d, vulkan_module module) {
     ddof_vulkan_frame *f = d->prepare;
     const vulkan_constants c = constants_of(d, module);
-    for (int i = 0; i < f->pipelines; i++)
-        if (f->pipeline[i].module == module && !memcmp(&f->pipeline[i].constants, &c, sizeof c)) return;
+    if (find_pipeline(f, module, &c)) return;
     if (f->pipelines == VULKAN_FRAME_PIPELINES) {
         d->status = context_fail(&f->vk->shell, DDOF_ERROR_UNSUPPORTED, "a frame has too many kinds of passes");
         return;
     }
     const VkPipeline handle = vulkan_pipeline_get(f->vk, module, &c, &d->status);
     if (handle) f->pipeline[f->pipelines++] = (vulkan_pipeline){module, c, handle};
-}
-
-static VkPipeline find_pipeline(const direction *d, vulkan_module module) {
-    const ddof_vulkan_frame *f = d->frame;
-    const vulkan_constants c = constants_of(d, module);
-    for (int i = 0; i < f->pipelines; i++)
-        if (f->pipeline[i].module == module && !memcmp(&f->pipeline[i].constants, &c, sizeof c))
-            return f->pipeline[i].handle;
-    return VK_NULL_HANDLE; /* never: all have been prepared */
 }
 
 static VkDescriptorSet find_set(const direction *d) {
@@ -105,9 +102,10 @@ static void pass(direction *d, vulkan_module module, int x, int y) {
         return;
     }
     const VkDescriptorSet set = find_set(d);
+    const vulkan_constants c = constants_of(d, module);
     const vulkan_functions *v = &f->vk->f;
     if ((*d->dispatches)++ > 0) barrier(f, d->commands, NULL, 0);
-    v->CmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, find_pipeline(d, module));
+    v->CmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, find_pipeline(f, module, &c));
     v->CmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->vk->pipeline_layout, 0, 1, &set, 0, NULL);
     v->CmdPushConstants(d->commands, f->vk->pipeline_layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof d->push, &d->push);
     v->CmdDispatch(d->commands, (uint32_t)x, (uint32_t)y, 1);
@@ -268,15 +266,10 @@ static void solve(direction *d) {
 
 /* ---- the frame */
 
-/* GLSL need not know infinities: such a limit is out of every depth's reach. */
-static float bounded(float v) {
-    return v < 3e38f ? v : 3e38f;
-}
-
 static vulkan_push push_of(const ddof_vulkan_frame *f, const frame_job *job, const vulkan_region *region) {
     const lens_curve *c = &job->curve;
     return (vulkan_push){
-        .lens_curve = {c->q_far, bounded(c->q_near), c->gain_far, c->gain_near},
+        .lens_curve = {c->q_far, lens_q_near(c), c->gain_far, c->gain_near},
         .depth_axis = {c->x_center - (float)job->frame->offset_x, c->y_center - (float)job->frame->offset_y,
                        c->x_tangent, c->y_tangent},
         .depth_linear = {c->offset, c->slope},

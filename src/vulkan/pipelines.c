@@ -47,7 +47,7 @@ static VkPipeline make(ddof_vulkan *vk, vulkan_module module, const vulkan_const
     return *status == DDOF_OK ? made : VK_NULL_HANDLE;
 }
 
-VkPipeline vulkan_pipeline_find(const ddof_vulkan *vk, vulkan_module module, const vulkan_constants *constants) {
+static VkPipeline find(const ddof_vulkan *vk, vulkan_module module, const vulkan_constants *constants) {
     const vulkan_pipelines *p = &vk->pipelines;
     for (int i = 0; i < p->count; i++)
         if (p->pipeline[i].module == module && !memcmp(&p->pipeline[i].constants, constants, sizeof *constants))
@@ -75,7 +75,7 @@ static bool make_room(ddof_vulkan *vk, ddof_status *status) {
 
 VkPipeline vulkan_pipeline_get(ddof_vulkan *vk, vulkan_module module, const vulkan_constants *constants,
                                ddof_status *status) {
-    VkPipeline found = vulkan_pipeline_find(vk, module, constants);
+    VkPipeline found = find(vk, module, constants);
     if (found || !make_room(vk, status)) return found;
     found = make(vk, module, constants, status);
     if (found) vk->pipelines.pipeline[vk->pipelines.count++] = (vulkan_pipeline){module, *constants, found};

@@ -70,8 +70,6 @@ typedef struct vulkan_pipelines {
 /* The pipeline, made if need be; VK_NULL_HANDLE: *status says why, and the error is set. */
 VkPipeline vulkan_pipeline_get(ddof_vulkan *vk, vulkan_module module, const vulkan_constants *constants,
                                ddof_status *status);
-/* One that has been made, or VK_NULL_HANDLE. */
-VkPipeline vulkan_pipeline_find(const ddof_vulkan *vk, vulkan_module module, const vulkan_constants *constants);
 void vulkan_pipelines_delete(ddof_vulkan *vk);
 
 #endif
