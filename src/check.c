@@ -177,6 +177,17 @@ ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddo
     if (s->substeps < 0 || s->substeps > MAX_SUBSTEPS)
         return context_fail(ctx, DDOF_ERROR_INVALID, "settings.substeps is %d: give 1 to %d, or 0 for 1", s->substeps,
                             MAX_SUBSTEPS);
+    if (s->kernel != DDOF_KERNEL_HEAT && s->kernel != DDOF_KERNEL_DISC)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.kernel is none of ddof_kernel");
+    if (s->quality < DDOF_QUALITY_DEFAULT || s->quality > DDOF_QUALITY_BEST)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.quality is none of ddof_quality");
+    if (s->kernel == DDOF_KERNEL_HEAT && s->quality != DDOF_QUALITY_DEFAULT)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.quality is for DDOF_KERNEL_DISC: set settings.kernel, or quality 0");
+    if (s->kernel == DDOF_KERNEL_DISC && (s->substeps || s->conductance != DDOF_CONDUCTANCE_MATCHED))
+        return context_fail(ctx, DDOF_ERROR_INVALID,
+                            "settings.substeps and conductance must be 0 with DDOF_KERNEL_DISC: settings.quality decides");
+    if (s->layers != DDOF_LAYERS_OFF && s->layers != DDOF_LAYERS_AUTO)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.layers is none of ddof_layers");
     if (s->solver < DDOF_SOLVER_DEFAULT || s->solver > DDOF_SOLVER_PCR3_SWEEP)
         return context_fail(ctx, DDOF_ERROR_INVALID, "settings.solver is none of ddof_solver");
     if (s->surface < DDOF_SURFACE_DEFAULT || s->surface > DDOF_SURFACE_RGBA32F)

@@ -11,6 +11,7 @@
 
 #include <ddof/ddof.h>
 
+#include "disc.h"
 #include "lens.h"
 #include "threads.h"
 
@@ -23,6 +24,8 @@ typedef struct frame_job {
     lens_curve curve;
     double row_scale, column_scale; /* conductance of a link of CoC 1 px, per substep */
     int substeps;
+    const disc_kernel *disc; /* NULL: the heat kernel, and the three above are its */
+    double pixel_aspect;
     double focus_distance;    /* as in ddof_stats */
     int64_t nonfinite_pixels; /* out */
 } frame_job;
@@ -30,6 +33,7 @@ typedef struct frame_job {
 /* The stages a backend implements. Validation is done: it gets nothing it may refuse. */
 typedef struct backend {
     ddof_backend id;
+    bool disc; /* diffuses with the disc kernel too */
     size_t (*scratch_bytes)(const ddof_context *ctx, const frame_job *job);
     ddof_status (*coc)(ddof_context *ctx, frame_job *job, void *scratch);
     ddof_status (*diffuse)(ddof_context *ctx, frame_job *job, void *scratch);

@@ -45,6 +45,8 @@ ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame
     job->substeps = settings->substeps > 0 ? settings->substeps : 1;
     job->row_scale = (settings->conductance == DDOF_CONDUCTANCE_CLASSIC ? 1.0 : 1.0 / 32) / job->substeps;
     job->column_scale = job->row_scale * aspect * aspect; /* d pixel widths span d * aspect rows */
+    job->pixel_aspect = aspect;
+    job->disc = settings->kernel == DDOF_KERNEL_DISC ? disc_kernel_pick(settings->quality) : NULL;
     *focus_distance = 0;
     if (!job->is_depth) return DDOF_OK;
     lens_curve_depth(&job->curve, frame, settings);
@@ -66,6 +68,10 @@ static ddof_status reserve(ddof_context *ctx, size_t bytes) {
 }
 
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
+    if (job->disc && !coc_only && !ctx->backend->disc)
+        return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.kernel: this backend has no disc kernel, take another one");
+    if (!coc_only && (job->settings->layers || job->frame->holdout))
+        return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.layers, frame.holdout: not in this version yet");
     ddof_status status = reserve(ctx, ctx->backend->scratch_bytes(ctx, job));
     if (status != DDOF_OK) return status;
     ctx->progress_done = 0;

@@ -182,6 +182,19 @@ typedef enum ddof_conductance {
     DDOF_CONDUCTANCE_CLASSIC = 1  /* beta = d^2: the convention of Kass 2006 and Gruen 2011, 5.66 times wider */
 } ddof_conductance;
 
+typedef enum ddof_kernel {
+    DDOF_KERNEL_HEAT = 0, /* real conductance: what a point becomes is a bell */
+    DDOF_KERNEL_DISC = 1  /* complex conductance, whose real part is the even disc that a lens makes (docs/disc.md) */
+} ddof_kernel;
+
+/* How close to a disc DDOF_KERNEL_DISC comes; the cost does not depend on the blur. */
+typedef enum ddof_quality {
+    DDOF_QUALITY_DEFAULT = 0, /* GOOD */
+    DDOF_QUALITY_DRAFT = 1,   /* one component along rows and columns: a rounded diamond */
+    DDOF_QUALITY_GOOD = 2,    /* two components along rows, columns and both diagonals: round */
+    DDOF_QUALITY_BEST = 3     /* the same in two substeps: a flatter disc with a sharper rim */
+} ddof_quality;
+
 /* The next two are looked at by the GPU backends only: the CPU backends solve exactly, and differently. GL has 1 to 6
  * (docs/gl.md), Vulkan 5 and 7 to 9 (docs/vulkan.md); a solver that the backend lacks is UNSUPPORTED. All of 2 to 5 stop at two
  * or three unknowns. */
@@ -204,15 +217,25 @@ typedef enum ddof_surface {
     DDOF_SURFACE_RGBA32F = 2  /* in floats: 1e-4 (2e-3 where the solver packs), twice the memory for colour */
 } ddof_surface;
 
+typedef enum ddof_layers {
+    DDOF_LAYERS_OFF = 0, /* one layer: sharp things keep their edge by keeping everything behind them from blurring into them */
+    DDOF_LAYERS_AUTO = 1 /* near things blur over what is sharp, and what lies behind goes on behind them, where the picture
+                            has such things */
+} ddof_layers;
+
 typedef struct ddof_settings {
     ddof_lens lens;               /* not used when frame.coc is given */
     ddof_depth depth;             /* not used when frame.coc is given */
-    ddof_conductance conductance; /* default DDOF_CONDUCTANCE_MATCHED */
-    int substeps;                 /* 1 to 64; 0: 1. More substeps round the kernel, at that many times the cost */
+    ddof_conductance conductance; /* default DDOF_CONDUCTANCE_MATCHED, and nothing else with DDOF_KERNEL_DISC */
+    int substeps;                 /* HEAT: 1 to 64; 0: 1. More substeps round the kernel, at that many times the cost. DISC: 0,
+                                     its quality says how many */
     ddof_solver solver;           /* GPU backends only; default see DDOF_SOLVER_DEFAULT */
     ddof_surface surface;         /* GPU backends only; default DDOF_SURFACE_RGBA16F */
     int shared_chain;             /* GL backend only; 0 or 1: the vertical pass reuses the surfaces of the horizontal one */
-    uint64_t reserved[6];
+    ddof_kernel kernel;           /* default DDOF_KERNEL_HEAT */
+    ddof_quality quality;         /* DDOF_KERNEL_DISC only, else 0 */
+    ddof_layers layers;           /* default DDOF_LAYERS_OFF */
+    uint64_t reserved[5];
 } ddof_settings;
 
 /* What goes in and what comes out. All images have the size of `color`. */
@@ -230,7 +253,10 @@ typedef struct ddof_frame {
     double pixel_aspect;               /* width / height of a pixel; 0: 1. CoC is in pixel widths; the blur is round
                                           on the screen */
     const void *next; /* must be NULL */
-    uint64_t reserved[8];
+    /* NULL, or 1 channel: pixels that neither blur nor bleed where it is 1, 0 leaves them alone, between is a mixture of both
+     * (an antialiased mask); limited to 0..1, not a number counts as 0. Overlaps no output. Lives as long as the call */
+    const ddof_image *holdout;
+    uint64_t reserved[7];
 } ddof_frame;
 
 /* ------------------------------------------------------------------------- context */
