@@ -77,12 +77,20 @@ bool context_progress(ddof_context *ctx, int64_t units) {
     if (ctx->config.progress && pthread_mutex_trylock(&ctx->progress_lock) == 0) {
         double done = ctx->progress_total > 0 ? (double)ctx->progress_done / ctx->progress_total : 0;
         if (done > 1) done = 1;
+        done = ctx->progress_from + done * (ctx->progress_to - ctx->progress_from);
         if (done < ctx->progress_shown) done = ctx->progress_shown;
         ctx->progress_shown = done;
         if (!ctx->cancelled && ctx->config.progress(ctx->config.progress_user, done)) ctx->cancelled = true;
         pthread_mutex_unlock(&ctx->progress_lock);
     }
     return !ctx->cancelled;
+}
+
+void context_stage(ddof_context *ctx, double from, double to) {
+    ctx->progress_from = from;
+    ctx->progress_to = to;
+    ctx->progress_done = 0;
+    ctx->progress_total = 0;
 }
 
 static const backend *pick_backend(ddof_backend id) {
@@ -228,6 +236,6 @@ ddof_status ddof_scratch_bytes(ddof_context *ctx, const ddof_frame *frame, const
     ddof_status status = check_frame(ctx, frame, true);
     if (status == DDOF_OK) status = check_settings(ctx, frame, settings);
     if (status == DDOF_OK) status = pipeline_prepare(ctx, &job, frame, settings, false, &distance);
-    if (status == DDOF_OK) *bytes = ctx->backend->scratch_bytes(ctx, &job);
+    if (status == DDOF_OK) *bytes = pipeline_scratch_bytes(ctx, &job, false);
     return leave(ctx, status);
 }

@@ -62,7 +62,8 @@ struct ddof_context {
 
     /* progress of the call under way */
     pthread_mutex_t progress_lock;
-    double progress_total;
+    double progress_from, progress_to; /* what the stage under way is of the whole, 0..1 */
+    double progress_total;             /* units of the stage */
     _Atomic int64_t progress_done;
     double progress_shown;
     atomic_bool cancelled;
@@ -83,6 +84,8 @@ void context_log(ddof_context *ctx, ddof_log_level level, const char *format, ..
 
 /* Counts `units` of progress_total as done and asks the caller whether to go on; false: stop. Any thread. */
 bool context_progress(ddof_context *ctx, int64_t units);
+/* Begins a stage that takes the work from `from` to `to` of the whole; whoever does it sets progress_total. */
+void context_stage(ddof_context *ctx, double from, double to);
 
 /* Validation (check.c): DDOF_OK or context_fail. `work`: with color and output, as ddof_render wants them. */
 ddof_status check_config(const ddof_config *config, const char **wrong);
@@ -94,5 +97,6 @@ ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddo
 ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame *frame, const ddof_settings *settings,
                              bool read, double *focus_distance);
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only);
+size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only);
 
 #endif

@@ -4,6 +4,7 @@
 /* The method, top to bottom:
  *     lens        where the focus lies; depth and lens become one curve from value to CoC    lens.c
  *     coc         the curve applied, row by row, as the pixels are needed                    cpu/pixels.c
+ *     layers      the picture taken apart by depth and, at the end, laid together                layers.c, fill.c
  *     conductance how well a link between two pixels conducts, from their CoC                cpu/conductance.h
  *     diffusion   one implicit step along all rows, then along all columns, `substeps` times cpu/rows.c, cpu/columns.c
  */
@@ -12,6 +13,7 @@
 
 #include "context.h"
 #include "image.h"
+#include "layers.h"
 
 static ddof_status focus(ddof_context *ctx, frame_job *job, const ddof_lens *lens, bool read, double *distance) {
     *distance = lens->focus_distance;
@@ -67,19 +69,23 @@ static ddof_status reserve(ddof_context *ctx, size_t bytes) {
     return DDOF_OK;
 }
 
+size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only) {
+    return !coc_only && layers_wanted(job) ? layers_scratch_bytes(ctx, job) : ctx->backend->scratch_bytes(ctx, job);
+}
+
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
     if (job->disc && !coc_only && !ctx->backend->disc)
         return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.kernel: this backend has no disc kernel, take another one");
-    if (!coc_only && (job->settings->layers || job->frame->holdout))
-        return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.layers, frame.holdout: not in this version yet");
-    ddof_status status = reserve(ctx, ctx->backend->scratch_bytes(ctx, job));
+    ddof_status status = reserve(ctx, pipeline_scratch_bytes(ctx, job, coc_only));
     if (status != DDOF_OK) return status;
-    ctx->progress_done = 0;
+    context_stage(ctx, 0, 1);
     ctx->progress_shown = 0;
     ctx->cancelled = false;
     if (!context_progress(ctx, 0)) status = DDOF_ERROR_CANCELLED;
     if (status == DDOF_OK)
-        status = coc_only ? ctx->backend->coc(ctx, job, ctx->scratch) : ctx->backend->diffuse(ctx, job, ctx->scratch);
+        status = coc_only             ? ctx->backend->coc(ctx, job, ctx->scratch)
+                 : layers_wanted(job) ? layers_diffuse(ctx, job, ctx->scratch)
+                                      : ctx->backend->diffuse(ctx, job, ctx->scratch);
     if (status == DDOF_ERROR_CANCELLED) return context_fail(ctx, status, "cancelled by the progress callback");
     if (status != DDOF_OK && ctx->error[0]) return status;
     if (status != DDOF_OK) return context_fail(ctx, status, "the parallel_for callback could not run its tasks");
