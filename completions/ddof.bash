@@ -9,7 +9,7 @@ _ddof_options() {
     local engine="--threads --backend --device --cpu" gpu="--solver --surface --shared-chain"
     local report="--quiet --json --help"
     case $1 in
-        render) echo "--output $blur --conductance --substeps --preview --exposure $engine $gpu $report" ;;
+        render) echo "--output $blur --kernel --quality --conductance --substeps --layers --holdout --preview --exposure $engine $gpu $report" ;;
         coc) echo "--output $blur --exposure $engine $report" ;;
         info) echo "--layer --depth --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
@@ -54,6 +54,9 @@ _ddof_value() {
     local choices=
     case $2 in
         --depth-kind) choices="planar ray inverse normalized device" ;;
+        --kernel) choices="heat disc" ;;
+        --quality) choices="draft good best" ;;
+        --layers) choices="auto off" ;;
         --conductance) choices="matched classic" ;;
         --backend) choices="auto cpu gl vulkan reference" ;;
         --solver) choices="cr-vanilla cr cr+pack cr4 cr4+pack cr+pcr line pcr pcr3+sweep" ;;
@@ -65,7 +68,7 @@ _ddof_value() {
         --size) choices="1280x720 1600x1200 1920x1080 3840x2160" ;;
         --camera) _ddof_files 'json' "$3"; return 0 ;;
         --preview) _ddof_files 'png' "$3"; return 0 ;;
-        -o | --output | --mask) _ddof_files "$pictures" "$3"; return 0 ;;
+        -o | --output | --mask | --holdout) _ddof_files "$pictures" "$3"; return 0 ;;
         --depth | --coc)
             [[ $1 == bench && $2 == --depth ]] && return 1
             [[ $1 == bench ]] && return 0

@@ -2,7 +2,9 @@
  * SPDX-License-Identifier: MIT */
 
 /* The reference backend: every stage in float64, one line at a time, nothing clever. What every other path is checked
- * against; slow and large (40 bytes a pixel). The rules are those of ddof_render() in ddof.h. */
+ * against; slow and large (40 bytes a pixel of RGBA, 152 with the disc kernel). The rules are those of ddof_render() in
+ * ddof.h, the disc kernel that of disc.h. */
+#include <complex.h>
 #include <math.h>
 #include <string.h>
 
@@ -16,6 +18,11 @@ typedef struct planes {
     double *coc;   /* NaN: a hole without CoC */
     double *g;     /* heat capacity: 1, or 0 for a hole */
     double *beta, *w, *u; /* one line */
+    /* the disc kernel's: */
+    double complex *a;   /* one component, channels planes */
+    double *sum;         /* of the components, channels planes */
+    double *good;        /* g before any component */
+    double complex *b, *r, *v; /* one line */
 } planes;
 
 static size_t round_line(size_t bytes) {
@@ -23,7 +30,7 @@ static size_t round_line(size_t bytes) {
 }
 
 static size_t lay_out(planes *p, const frame_job *job, char *base) {
-    size_t n, line, at = 0;
+    size_t n, line, at = 0, disc = job->disc != NULL;
     p->width = job->coc_source.width;
     p->height = job->coc_source.height;
     p->channels = job->frame->output.channels;
@@ -32,10 +39,19 @@ static size_t lay_out(planes *p, const frame_job *job, char *base) {
     struct {
         double **plane;
         size_t count;
-    } part[] = {{&p->color, n * (size_t)p->channels}, {&p->coc, n}, {&p->g, n}, {&p->beta, line}, {&p->w, line}, {&p->u, line}};
-    for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
-        *part[i].plane = base ? (double *)(void *)(base + at) : NULL;
-        at += round_line(part[i].count * sizeof(double));
+    } real[] = {{&p->color, n * (size_t)p->channels}, {&p->coc, n}, {&p->g, n}, {&p->beta, line}, {&p->w, line}, {&p->u, line},
+                {&p->sum, disc * n * (size_t)p->channels}, {&p->good, disc * n}};
+    struct {
+        double complex **plane;
+        size_t count;
+    } imaginary[] = {{&p->a, disc * n * (size_t)p->channels}, {&p->b, disc * line}, {&p->r, disc * line}, {&p->v, disc * line}};
+    for (size_t i = 0; i < sizeof real / sizeof *real; i++) {
+        *real[i].plane = base ? (double *)(void *)(base + at) : NULL;
+        at += round_line(real[i].count * sizeof(double));
+    }
+    for (size_t i = 0; i < sizeof imaginary / sizeof *imaginary; i++) {
+        *imaginary[i].plane = base ? (double complex *)(void *)(base + at) : NULL;
+        at += round_line(imaginary[i].count * sizeof(double complex));
     }
     return at;
 }
@@ -74,10 +90,16 @@ static void load(planes *p, frame_job *job) {
         }
 }
 
-static double link(double a, double b, double scale) {
+/* The CoC of a link: that of its sharper pixel. */
+static double link(double a, double b) {
     a = isfinite(a) ? fmin(fabs(a), COC_LIMIT) : COC_LIMIT;
     b = isfinite(b) ? fmin(fabs(b), COC_LIMIT) : COC_LIMIT;
-    double d = fmin(a, b);
+    return fmin(a, b);
+}
+
+/* ---- the heat kernel */
+
+static double heat_conductance(double d, double scale) {
     return fmax(scale * d * d, BETA_FLOOR);
 }
 
@@ -86,7 +108,7 @@ static void solve_line(planes *p, size_t first, size_t stride, int count, double
     const size_t n = (size_t)p->width * (size_t)p->height;
     for (int i = 0; i < count; i++) {
         size_t at = first + stride * (size_t)i;
-        p->beta[i] = i + 1 < count ? link(p->coc[at], p->coc[at + stride], scale) : 0;
+        p->beta[i] = i + 1 < count ? heat_conductance(link(p->coc[at], p->coc[at + stride]), scale) : 0;
         p->w[i] = g[at];
         if (i > 0 && p->beta[i - 1] > 0) p->w[i] += p->beta[i - 1] * p->w[i - 1] / (p->w[i - 1] + p->beta[i - 1]);
     }
@@ -127,25 +149,119 @@ static void store(const planes *p, const frame_job *job) {
             }
 }
 
+static ddof_status diffuse_heat(ddof_context *ctx, planes *p, const frame_job *job) {
+    ctx->progress_total = (double)job->substeps * (p->width + p->height);
+    for (int step = 0; step < job->substeps; step++) {
+        for (int y = 0; y < p->height; y++) {
+            solve_line(p, (size_t)y * (size_t)p->width, 1, p->width, job->row_scale, p->g);
+            if (!context_progress(ctx, 1)) return DDOF_ERROR_CANCELLED;
+        }
+        mark_filled(p);
+        for (int x = 0; x < p->width; x++) {
+            solve_line(p, (size_t)x, (size_t)p->width, p->height, job->column_scale, p->g);
+            if (!context_progress(ctx, 1)) return DDOF_ERROR_CANCELLED;
+        }
+        for (size_t i = 0; i < (size_t)p->width * (size_t)p->height; i++) p->g[i] = 1;
+    }
+    return DDOF_OK;
+}
+
+/* ---- the disc kernel */
+
+typedef struct disc_line {
+    size_t first, stride;
+    int count;
+} disc_line;
+
+static int disc_lines(const planes *p, int direction) {
+    if (direction >= DISC_DIAGONAL) return p->width + p->height - 1;
+    return direction == DISC_ROWS ? p->height : p->width;
+}
+
+/* Line `k` of a direction. Diagonals start along the top, then down the side they run away from. */
+static disc_line disc_line_at(const planes *p, int direction, int k) {
+    const size_t width = (size_t)p->width;
+    if (direction == DISC_ROWS) return (disc_line){(size_t)k * width, 1, p->width};
+    if (direction == DISC_COLUMNS) return (disc_line){(size_t)k, width, p->height};
+    const int down = k < p->width ? 0 : k - p->width + 1, rows = p->height - down;
+    if (direction == DISC_DIAGONAL) {
+        const int x = down ? 0 : k, columns = p->width - x;
+        return (disc_line){(size_t)down * width + (size_t)x, width + 1, columns < rows ? columns : rows};
+    }
+    const int x = down ? p->width - 1 : k, columns = x + 1;
+    return (disc_line){(size_t)down * width + (size_t)x, width - 1, columns < rows ? columns : rows};
+}
+
+static double complex disc_conductance(double d, const disc_component *c, double fade, disc_share share) {
+    if (d <= 1) return BETA_FLOOR;
+    const double u = d * d, part = (1 - 1 / u) * (share.level - share.slope * u / (u + fade));
+    return part * (c->beta_re * u + c->offset_re) + BETA_FLOOR + part * (c->beta_im * u + c->offset_im) * I;
+}
+
+/* As solve_line(), with complex conductance. */
+static void solve_disc_line(planes *p, disc_line l, const disc_component *component, double fade, disc_share share) {
+    const size_t n = (size_t)p->width * (size_t)p->height;
+    double complex w = 0;
+    for (int i = 0; i < l.count; i++) {
+        const size_t at = l.first + l.stride * (size_t)i;
+        w = p->g[at] + (i > 0 ? p->b[i - 1] * w * p->r[i - 1] : 0);
+        p->b[i] = i + 1 < l.count ? disc_conductance(link(p->coc[at], p->coc[at + l.stride]), component, fade, share) : 0;
+        p->r[i] = w + p->b[i] != 0 ? 1 / (w + p->b[i]) : 0; /* 0 only at the end of a line of holes */
+    }
+    for (int c = 0; c < p->channels; c++) {
+        double complex *a = p->a + n * (size_t)c + l.first;
+        for (int i = 0; i < l.count; i++) {
+            const size_t at = l.stride * (size_t)i;
+            p->v[i] = (p->g[l.first + at] * a[at] + (i > 0 ? p->b[i - 1] * p->v[i - 1] : 0)) * p->r[i];
+        }
+        for (int i = l.count - 1; i >= 0; i--) {
+            const size_t at = l.stride * (size_t)i;
+            a[at] = p->v[i] + (i + 1 < l.count ? p->b[i] * p->r[i] * a[at + l.stride] : 0);
+        }
+    }
+}
+
+static ddof_status diffuse_component(ddof_context *ctx, planes *p, const frame_job *job, const disc_component *component) {
+    const size_t n = (size_t)p->width * (size_t)p->height, values = n * (size_t)p->channels;
+    for (size_t i = 0; i < values; i++) p->a[i] = p->color[i];
+    for (int step = 0; step < job->disc->substeps; step++)
+        for (int direction = 0; direction < job->disc->directions; direction++) {
+            const disc_share share = disc_direction(job->disc, direction, job->pixel_aspect);
+            for (int k = 0; k < disc_lines(p, direction); k++) {
+                solve_disc_line(p, disc_line_at(p, direction, k), component, job->disc->fade, share);
+                if (!context_progress(ctx, 1)) return DDOF_ERROR_CANCELLED;
+            }
+            if (direction == DISC_ROWS) mark_filled(p);
+            for (size_t i = 0; i < n && direction == DISC_COLUMNS; i++) p->g[i] = 1;
+        }
+    for (size_t i = 0; i < values; i++)
+        p->sum[i] += component->weight_re * creal(p->a[i]) - component->weight_im * cimag(p->a[i]);
+    return DDOF_OK;
+}
+
+static ddof_status diffuse_disc(ddof_context *ctx, planes *p, const frame_job *job) {
+    const size_t n = (size_t)p->width * (size_t)p->height, values = n * (size_t)p->channels;
+    double lines = 0;
+    for (int direction = 0; direction < job->disc->directions; direction++) lines += disc_lines(p, direction);
+    ctx->progress_total = lines * job->disc->substeps * job->disc->components;
+    memset(p->sum, 0, values * sizeof *p->sum);
+    memcpy(p->good, p->g, n * sizeof *p->g);
+    for (int j = 0; j < job->disc->components; j++) {
+        memcpy(p->g, p->good, n * sizeof *p->g);
+        ddof_status status = diffuse_component(ctx, p, job, &job->disc->component[j]);
+        if (status != DDOF_OK) return status;
+    }
+    memcpy(p->color, p->sum, values * sizeof *p->sum);
+    return DDOF_OK;
+}
+
 static ddof_status reference_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
     planes p;
     lay_out(&p, job, scratch);
-    ctx->progress_total = (double)job->substeps * (p.width + p.height);
     load(&p, job);
-    for (int step = 0; step < job->substeps; step++) {
-        for (int y = 0; y < p.height; y++) {
-            solve_line(&p, (size_t)y * (size_t)p.width, 1, p.width, job->row_scale, p.g);
-            if (!context_progress(ctx, 1)) return DDOF_ERROR_CANCELLED;
-        }
-        mark_filled(&p);
-        for (int x = 0; x < p.width; x++) {
-            solve_line(&p, (size_t)x, (size_t)p.width, p.height, job->column_scale, p.g);
-            if (!context_progress(ctx, 1)) return DDOF_ERROR_CANCELLED;
-        }
-        for (size_t i = 0; i < (size_t)p.width * (size_t)p.height; i++) p.g[i] = 1;
-    }
-    store(&p, job);
-    return DDOF_OK;
+    ddof_status status = job->disc ? diffuse_disc(ctx, &p, job) : diffuse_heat(ctx, &p, job);
+    if (status == DDOF_OK) store(&p, job);
+    return status;
 }
 
 static ddof_status reference_coc(ddof_context *ctx, frame_job *job, void *scratch) {
@@ -167,5 +283,5 @@ static const char *device(const ddof_context *ctx) {
     return "float64";
 }
 
-const backend backend_reference = {.id = DDOF_BACKEND_REFERENCE, .scratch_bytes = reference_scratch_bytes,
+const backend backend_reference = {.id = DDOF_BACKEND_REFERENCE, .disc = true, .scratch_bytes = reference_scratch_bytes,
                                    .coc = reference_coc, .diffuse = reference_diffuse, .device = device};

@@ -263,6 +263,7 @@ static int place_focus(job *j, const options *o) {
 
 static int open_and_check(job *j, const options *o, ptrdiff_t *first) {
     int status = lens_check_options(o);
+    if (status == 0) status = method_check_options(o);
     if (status == 0 && option_given(o, OPT_CAMERA))
         status = camera_read(&j->file, option_text(o, OPT_CAMERA), option_text(o, OPT_RENDER), o->file[0]);
     if (status == 0) status = open_input(j, o);
@@ -285,6 +286,10 @@ int job_open(job *j, const options *o, const io_format *rewrite) {
     if (status == 0) status = describe_color(j);
     if (status == 0) status = describe_blur(j, o, first);
     if (status == 0) status = place_focus(j, o);
+    if (status == 0 && option_given(o, OPT_HOLDOUT)) {
+        status = holdout_read(&j->holdout, option_text(o, OPT_HOLDOUT), o->file[0], &j->frame.color, &j->reading);
+        j->frame.holdout = &j->holdout.image;
+    }
     if (status) job_close(j);
     return status;
 }
@@ -293,6 +298,7 @@ void job_close(job *j) {
     io_close(&j->input);
     io_close(&j->second);
     free(j->converted);
+    holdout_close(&j->holdout);
     *j = (job){0};
 }
 

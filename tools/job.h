@@ -9,6 +9,7 @@
 
 #include <picture.h>
 
+#include "holdout.h"
 #include "lens.h"
 #include "options.h"
 #include "session.h"
@@ -19,6 +20,7 @@ typedef struct job {
     io_picture *second; /* the file of --depth or --coc, NULL when they are in IN */
     io_selection blur;  /* the depth or CoC channel of `second`, or of `input` */
     float *converted;   /* depth or CoC of a type the library does not take, or scaled */
+    holdout holdout;    /* --holdout */
     camera file;        /* --camera */
     io_options reading;
     ddof_frame frame; /* everything but `output` */

@@ -140,13 +140,37 @@ int lens_settings(ddof_settings *settings, const options *o, const camera *file,
     return focus_settings(lens, o, file);
 }
 
+int method_check_options(const options *o) {
+    static const option_id heat_only[] = {OPT_SUBSTEPS, OPT_CONDUCTANCE};
+    const bool disc = option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT) == DDOF_KERNEL_DISC;
+    for (size_t i = 0; disc && i < sizeof heat_only / sizeof *heat_only; i++)
+        if (option_given(o, heat_only[i]))
+            return fail_usage("--%s: cannot be used together with --kernel disc; --quality says how close to a disc it is",
+                              option_name(heat_only[i]));
+    if (!disc && option_given(o, OPT_QUALITY)) return fail_usage("--quality: needs --kernel disc too");
+    return 0;
+}
+
 void method_settings(ddof_settings *settings, const options *o) {
+    settings->kernel = (ddof_kernel)option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT);
+    settings->layers = (ddof_layers)option_number(o, OPT_LAYERS, DDOF_LAYERS_OFF);
     settings->conductance = (ddof_conductance)option_number(o, OPT_CONDUCTANCE, DDOF_CONDUCTANCE_MATCHED);
-    settings->substeps = (int)option_number(o, OPT_SUBSTEPS, 1);
+    settings->substeps = (int)option_number(o, OPT_SUBSTEPS, settings->kernel == DDOF_KERNEL_DISC ? 0 : 1);
     /* the words stand in the order of the library's names, the first of which is 1 */
+    settings->quality = (ddof_quality)(option_number(o, OPT_QUALITY, DDOF_QUALITY_DEFAULT - 1) + 1);
     settings->solver = (ddof_solver)(option_number(o, OPT_SOLVER, DDOF_SOLVER_DEFAULT - 1) + 1);
     settings->surface = (ddof_surface)(option_number(o, OPT_SURFACE, DDOF_SURFACE_RGBA16F - 1) + 1);
     settings->shared_chain = option_given(o, OPT_SHARED_CHAIN);
+}
+
+const char *kernel_name(ddof_kernel kernel) {
+    return kernel == DDOF_KERNEL_DISC ? "disc" : "heat";
+}
+
+const char *quality_name(ddof_quality quality) {
+    static const char *const names[] = {[DDOF_QUALITY_DEFAULT] = "good", [DDOF_QUALITY_DRAFT] = "draft",
+                                        [DDOF_QUALITY_GOOD] = "good", [DDOF_QUALITY_BEST] = "best"};
+    return names[quality];
 }
 
 void lens_describe(char *text, size_t size, const ddof_settings *settings, double focus, int picture_width) {

@@ -17,8 +17,15 @@ int lens_check_options(const options *o);
  * Returns 0 or an exit code. */
 int lens_settings(ddof_settings *settings, const options *o, const camera *file, int picture_width);
 
-/* Conductance, substeps, and how the GL backend solves. */
+/* Options of the method that exclude each other. Returns 0 or an exit code. */
+int method_check_options(const options *o);
+
+/* Kernel, quality, conductance, substeps, layers, and how the GPU backends solve. */
 void method_settings(ddof_settings *settings, const options *o);
+
+/* As --kernel and --quality call them. */
+const char *kernel_name(ddof_kernel kernel);
+const char *quality_name(ddof_quality quality);
 
 /* One line for people: "85 mm f/2, focus 4", into text. `focus`: what the library focused on. */
 void lens_describe(char *text, size_t size, const ddof_settings *settings, double focus, int picture_width);

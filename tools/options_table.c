@@ -99,11 +99,20 @@ const option_spec option_table[OPT_COUNT] = {
     [OPT_REFERENCE] = {"reference", 0, KIND_FLAG, NULL, NULL,
         "--table: time the float64 reference too, which is slow", B, 0, 0, 0, NULL},
 
+    [OPT_KERNEL] = {"kernel", 0, KIND_CHOICE, "KERNEL", "disc",
+        "heat|disc: what a point becomes, a bell or the even disc that a lens makes (default heat)", R, 0, 0, 0, "heat|disc"},
+    [OPT_QUALITY] = {"quality", 0, KIND_CHOICE, "QUALITY", "best",
+        "draft|good|best: --kernel disc: how close to a disc (default good)", R, 0, 0, 0, "draft|good|best"},
     [OPT_CONDUCTANCE] = {"conductance", 0, KIND_CHOICE, "LAW", "matched",
         "matched: as wide as the lens's disc; classic: beta = CoC squared, wider (default matched)", R | B, 0, 0, 0,
         "matched|classic"},
     [OPT_SUBSTEPS] = {"substeps", 0, KIND_INTEGER, "N", "2",
         "1 to 64: more make the blur rounder, at that many times the cost (default 1)", R | B, 1, 64, false, NULL},
+    [OPT_LAYERS] = {"layers", 0, KIND_CHOICE, "LAYERS", "auto",
+        "auto|off: blur what is near over what is sharp, and what lies behind it behind it (default off)", R, 0, 0, 0,
+        "off|auto"},
+    [OPT_HOLDOUT] = {"holdout", 0, KIND_TEXT, "FILE[:CHANNEL]", "subject.png",
+        "mask of what neither blurs nor bleeds: 1 there, 0 elsewhere (no default)", R, 0, 0, 0, NULL},
     [OPT_PREVIEW] = {"preview", 0, KIND_TEXT, "FILE.png", "preview.png",
         "also write before and after side by side, as sRGB", R, 0, 0, 0, NULL},
     [OPT_EXPOSURE] = {"exposure", 0, KIND_NUMBER, "STOPS", "1.5",
@@ -145,6 +154,7 @@ const command_spec command_table[COMMAND_COUNT] = {
          "       --focus 2 --max-coc 2%\n"
          "  ddof render pinhole.exr -o out.exr --camera scene.json --render dof_f2.exr --json\n"
          "  ddof render shot.exr -o out.exr --coc radius.exr:blur --coc-scale 2\n"
+         "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --kernel disc --quality best\n"
          "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend gl --solver cr4+pack\n"
          "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend vulkan --device 1\n"},
     [COMMAND_COC] = {"coc", 1, true, "IN -o OUT",

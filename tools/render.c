@@ -89,6 +89,8 @@ static int report_json(const job *j, const options *o, const session *s, const r
     json_text(object, "backend", backend_name(s->backend));
     json_text(object, "device", r->stats.device);
     json_integer(object, "threads", r->stats.threads);
+    json_text(object, "kernel", kernel_name(j->settings.kernel));
+    if (j->settings.kernel == DDOF_KERNEL_DISC) json_text(object, "quality", quality_name(j->settings.quality));
     json_number(object, "solve_ms", r->time.solve);
     json_number(object, "decode_ms", j->decode_ms);
     json_number(object, "prepare_ms", r->time.prepare);

@@ -70,6 +70,13 @@ refuses "info of a layer that is not there" 1 '--layer: .*beauty' "$DDOF" info "
 make "$work/small.exr" 32 48 float 32 Z=ramp:1:20 R=1 G=1 B=1
 refuses "depth of another size: names both" 1 'small.exr: its depth is 32x48, but the colour of .*in.exr is 64x48' "$DDOF" render "$in" -o "$o" --depth "$work/small.exr" $lens
 refuses "CoC of another size: names both" 1 'small.exr: its CoC is 32x48, but the colour of .*in.exr is 64x48' "$DDOF" render "$in" -o "$o" --coc "$work/small.exr:Z"
+hold() { # DESCRIPTION CODE PATTERN HOLDOUT
+    refuses "holdout $1" "$2" "--holdout: .*$3" "$DDOF" render "$in" -o "$o" $lens --holdout "$4"
+}
+hold "of another size" 1 'small.exr is 32x48, but the picture is 64x48; give one of the same size' "$work/small.exr:Z"
+hold "that is not there" 1 'nothing.exr: no such file; give FILE or FILE:CHANNEL' "$work/nothing.exr"
+hold "without such a channel" 1 "has no channel 'mask'; its channels are: A, B, G, R, Z" ":mask"
+hold "whose channel is forgotten" 2 "ends in ':'" "$in:"
 refuses "compare of two sizes: names both" 1 'small.exr: is 32x48, but .*in.exr is 64x48' "$DDOF" compare "$in" "$work/small.exr"
 refuses "mask of another size" 1 '--mask: .*small.exr is 32x48, but the pictures are 64x48' "$DDOF" compare "$in" "$in" --mask "$work/small.exr"
 make "$work/moved.exr" 32 24 float 32 window=16,12,64,48 R=1 G=1 B=1 Z=3

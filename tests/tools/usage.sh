@@ -89,6 +89,17 @@ bad focus-at -1,3 'out of range'
 bad focus-at 50%,101% 'out of range; the picture ends at 100%'
 bad depth-kind plane 'none of planar\|ray'
 bad conductance new 'none of matched\|classic'
+bad kernel box 'none of heat\|disc'
+bad quality high 'none of draft\|good\|best'
+bad layers 3 'none of off\|auto'
+for option in "--substeps 2" "--conductance matched"; do
+    # shellcheck disable=SC2086
+    refuses "disc kernel with $option" 2 "${option%% *}: cannot be used together with --kernel disc; --quality" "$DDOF" render "$in" -o "$o" $lens --kernel disc $option
+done
+# shellcheck disable=SC2086
+for kernel in "" "--kernel heat"; do
+    refuses "quality without the disc kernel ${kernel}" 2 '--quality: needs --kernel disc too' "$DDOF" render "$in" -o "$o" $lens $kernel --quality good
+done
 bad backend gpu 'none of auto\|cpu\|gl\|vulkan\|reference'
 for value in -1 1.5 1024 x; do bad device $value '(out of range|whole number|not a)'; done
 bad solver cr5 'none of cr-vanilla\|cr\|cr\+pack'

@@ -1,0 +1,1 @@
+static const bound bounds[] = {{DDOF_QUALITY_GOOD,16,0,0,1}};
