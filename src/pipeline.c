@@ -72,6 +72,7 @@ ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
         return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.kernel: this backend has no disc kernel, take another one");
     if (!coc_only && (job->settings->layers || job->frame->holdout))
         return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.layers, frame.holdout: not in this version yet");
+    if (coc_only) job->disc = NULL; /* nothing is diffused */
     ddof_status status = reserve(ctx, ctx->backend->scratch_bytes(ctx, job));
     if (status != DDOF_OK) return status;
     ctx->progress_done = 0;
