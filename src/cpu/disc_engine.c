@@ -176,11 +176,15 @@ static void project_span(disc_run *run, disc_worker *w, int x, int y, int count,
 /* Row y of the block's tile: ends the solve before; begins the next, or hands on the solution. */
 static void tile_row(disc_run *run, disc_worker *w, int x, int y, int count) {
     const disc_span a = lines_at(run, &run->solved, run->from, x, y), state = state_at(run, x, y);
+    if (run->to > DISC_COLUMNS) {
+        const int down = run->up ? -1 : 1;
+        const disc_span lines = lines_at(run, &run->eliminated, run->to, x, y);
+        run->k->turn(&run->link, &a, &lines, coc_at(run, x, y), coc_at(run, x + down * lean(run->to), y + down), &state, count);
+        return;
+    }
     run->k->substitute(&a, &state, count);
     if (run->to == RESULT) {
         project_span(run, w, x, y, count, &a);
-    } else if (run->to != DISC_COLUMNS) {
-        eliminate_span(run, x, y, count, 1, a.re, a.im);
     } else { /* the rows go on with it */
         memcpy(state.re, a.re, (size_t)count * 4 * sizeof(float));
         memcpy(state.im, a.im, (size_t)count * 4 * sizeof(float));

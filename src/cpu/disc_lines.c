@@ -78,10 +78,23 @@ static void eliminate_span(const disc_link *link, const disc_span *lines, const 
         eliminate_row(link, lines, near, far, 1, re, im, out, count, false, false);
 }
 
+/* The same row of the next tile, on its way from memory while this one is worked on: tiles are too short for the hardware to see
+ * where they lead. */
+static inline __attribute__((always_inline)) void prefetch_tile(const disc_span *means, int x) {
+    const ptrdiff_t at = x + TILE;
+    for (int k = 0; k < 4; k++) {
+        __builtin_prefetch(means->re + 4 * at + k * LANES, 1, 3);
+        __builtin_prefetch(means->im + 4 * at + k * LANES, 1, 3);
+    }
+    __builtin_prefetch(means->keep_re + at, 1, 3);
+    __builtin_prefetch(means->keep_im + at, 1, 3);
+}
+
 static void substitute(const disc_span *state, const disc_span *from, int count) {
     const disc_span lines = *state, means = *from;
     for (int x = 0; x < count; x += LANES) {
         const vcomplex keep = load_complex(means.keep_re, means.keep_im, x);
+        prefetch_tile(&means, x);
 #define STEP(k)                                                                                                        \
     do {                                                                                                               \
         const ptrdiff_t at = 4 * (ptrdiff_t)x + (k) * LANES;                                                           \
@@ -89,6 +102,35 @@ static void substitute(const disc_span *state, const disc_span *from, int count)
                       complex_lerp(load_complex(lines.re, lines.im, at), load_complex(means.re, means.im, at),         \
                                    EXPAND_COMPLEX(keep, k)),                                                           \
                       false);                                                                                          \
+    } while (0)
+        STEP(0);
+        STEP(1);
+        STEP(2);
+        STEP(3);
+#undef STEP
+    }
+}
+
+static void turn(const disc_link *to, const disc_span *from_lines, const disc_span *to_lines, const float *near, const float *far,
+                 const disc_span *state, int count) {
+    const disc_link link = *to;
+    const disc_span solved = *from_lines, lines = *to_lines, means = *state;
+    for (int x = 0; x < count; x += LANES) {
+        const vcomplex keep = load_complex(means.keep_re, means.keep_im, x);
+        const vcomplex b = disc_conductance(v_load(near + x), v_load(far + x), &link);
+        const disc_elimination e = disc_eliminate(load_complex(lines.keep_re, lines.keep_im, x), v_set(1), b, false);
+        prefetch_tile(&means, x);
+        store_complex(lines.keep_re, lines.keep_im, x, e.rest, false);
+        store_complex(means.keep_re, means.keep_im, x, e.keep, false);
+#define STEP(k)                                                                                                        \
+    do {                                                                                                               \
+        const ptrdiff_t at = 4 * (ptrdiff_t)x + (k) * LANES;                                                           \
+        const vcomplex a = complex_lerp(load_complex(solved.re, solved.im, at), load_complex(means.re, means.im, at),  \
+                                        EXPAND_COMPLEX(keep, k));                                                      \
+        store_complex(solved.re, solved.im, at, a, false);                                                             \
+        const vcomplex mean = complex_lerp(load_complex(lines.re, lines.im, at), a, EXPAND_COMPLEX(e.own, k));         \
+        store_complex(lines.re, lines.im, at, mean, false);                                                            \
+        store_complex(means.re, means.im, at, mean, false);                                                            \
     } while (0)
         STEP(0);
         STEP(1);
@@ -125,4 +167,5 @@ static void project(const float *re, const float *im, float weight_re, float wei
     if (stream) v_stream_fence();
 }
 
-const disc_kernels ISA(disc_kernels) = {magnitude, ISA(disc_forward), ISA(disc_backward), eliminate_span, substitute, project};
+const disc_kernels ISA(disc_kernels) = {magnitude, ISA(disc_forward), ISA(disc_backward), eliminate_span, substitute, turn,
+                                    project};
