@@ -168,7 +168,7 @@ static ddof_status run(pyramid *p, ddof_task task) {
     return p->ctx->cancelled ? DDOF_ERROR_CANCELLED : DDOF_OK;
 }
 
-ddof_status fill(ddof_context *ctx, const fill_picture *picture, void *scratch) {
+ddof_status fill_unknown(ddof_context *ctx, const fill_picture *picture, void *scratch) {
     pyramid p = {.ctx = ctx, .channels = picture->channels};
     level *base = &p.level[0];
     *base = (level){picture->width, picture->height, picture->stride, picture->value, picture->weight, NULL, picture->value};

@@ -20,6 +20,6 @@ size_t fill_bytes(int channels, int width, int height);
 
 /* Replaces value by weight * value + (1 - weight) * what lies around. A picture of which nothing is known becomes 0. Values
  * must be finite, also where the weight is 0. MEMORY when the caller's loop could not run, CANCELLED. */
-ddof_status fill(ddof_context *ctx, const fill_picture *picture, void *scratch);
+ddof_status fill_unknown(ddof_context *ctx, const fill_picture *picture, void *scratch);
 
 #endif

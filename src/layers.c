@@ -224,7 +224,7 @@ static void load_row(work *w, int y, float *room) {
 static ddof_status fill_rect(work *w, float *value, int channels, int x0, int y0, int x1, int y1) {
     const size_t at = (size_t)w->width * (size_t)y0 + (size_t)x0;
     const fill_picture p = {value + (size_t)channels * at, w->known + at, channels, x1 - x0, y1 - y0, w->width};
-    return fill(w->ctx, &p, w->rest);
+    return fill_unknown(w->ctx, &p, w->rest);
 }
 
 static ddof_status load(work *w) {

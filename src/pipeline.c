@@ -76,6 +76,7 @@ size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, boo
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
     if (job->disc && !coc_only && !ctx->backend->disc)
         return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.kernel: this backend has no disc kernel, take another one");
+    if (coc_only) job->disc = NULL; /* nothing is diffused */
     ddof_status status = reserve(ctx, pipeline_scratch_bytes(ctx, job, coc_only));
     if (status != DDOF_OK) return status;
     context_stage(ctx, 0, 1);

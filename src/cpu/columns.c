@@ -33,7 +33,7 @@ typedef struct column_group {
 static inline column_group group_load(const cpu_block *b, const column_state *s, int x, int count) {
     column_group g = {.rest = v_load(s->rest + x)};
     for (int k = 0; k < 4; k++) g.mean[k] = v_load(s->mean + 4 * (ptrdiff_t)x + k * LANES);
-    g.coc = coc_magnitude(load_part(b->coc[0] + x, count));
+    g.coc = coc_magnitude(load_part(b->in.coc[0] + x, count));
     return g;
 }
 
@@ -72,12 +72,12 @@ static inline __attribute__((always_inline)) void columns_of_groups(const cpu_bl
     column_group g[2];
     const vfloat scale = v_set(b->column_scale);
     for (int i = 0; i < groups; i++) g[i] = group_load(b, s, x + i * LANES, count);
-    for (int r = 0; r < b->count; r++) {
-        const float *below = r + 1 < b->count ? b->coc[r + 1] : b->coc_below;
+    for (int r = 0; r < b->in.count; r++) {
+        const float *below = r + 1 < b->in.count ? b->in.coc[r + 1] : b->coc_below;
         const float *pixel = b->tile + (ptrdiff_t)r * TILE * 4;
         for (int i = 0; i < groups; i++) {
             const ptrdiff_t at = x - x0 + i * LANES;
-            group_step(&g[i], v_set(b->row_alive[r]), scale, below ? below + x0 + at : NULL, pixel + 4 * at,
+            group_step(&g[i], v_set(b->in.row_alive[r]), scale, below ? below + x0 + at : NULL, pixel + 4 * at,
                        out[r] + 4 * at, keep[r] + at, count, stream);
         }
     }

@@ -11,14 +11,15 @@
 #define DECLARE(isa)                                                                                                   \
     extern const row_kernels row_kernels_##isa;                                                                        \
     extern const column_kernels column_kernels_##isa;                                                                  \
-    extern const pixel_kernels pixel_kernels_##isa;
+    extern const pixel_kernels pixel_kernels_##isa;                                                                    \
+    extern const disc_kernels disc_kernels_##isa;
 #define TABLE(isa, flag, lanes)                                                                                        \
-    {#isa, flag, lanes, &row_kernels_##isa, &column_kernels_##isa, &pixel_kernels_##isa}
+    {#isa, flag, lanes, &row_kernels_##isa, &column_kernels_##isa, &pixel_kernels_##isa, &disc_kernels_##isa}
 
 DECLARE(baseline)
 #if defined(__aarch64__)
 const cpu_kernels cpu_kernels_baseline = {"neon", DDOF_CPU_NEON, 4, &row_kernels_baseline, &column_kernels_baseline,
-                                          &pixel_kernels_baseline};
+                                          &pixel_kernels_baseline, &disc_kernels_baseline};
 #else
 const cpu_kernels cpu_kernels_baseline = TABLE(baseline, DDOF_CPU_BASELINE, 4);
 #endif
@@ -65,5 +66,5 @@ static const char *device(const ddof_context *ctx) {
     return ctx->kernels->name;
 }
 
-const backend backend_cpu = {.id = DDOF_BACKEND_CPU, .scratch_bytes = cpu_scratch_bytes, .coc = cpu_coc, .diffuse = cpu_diffuse,
+const backend backend_cpu = {.id = DDOF_BACKEND_CPU, .disc = true, .scratch_bytes = cpu_scratch_bytes, .coc = cpu_coc, .diffuse = cpu_diffuse,
                              .device = device};

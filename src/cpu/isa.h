@@ -15,5 +15,10 @@
 extern const row_kernels ISA(row_kernels);
 extern const column_kernels ISA(column_kernels);
 extern const pixel_kernels ISA(pixel_kernels);
+extern const disc_kernels ISA(disc_kernels);
+
+/* Of disc_rows.c, for the table in disc_lines.c. */
+bool ISA(disc_forward)(const disc_block *block, const disc_link *link);
+void ISA(disc_backward)(disc_block *block, int x0, int x1);
 
 #endif

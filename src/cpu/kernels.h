@@ -23,19 +23,24 @@ enum {
     PAD = 16        /* every scratch row is this many pixels longer, so that vectors may run over the end */
 };
 
-/* A block under work. Rows are RGBA float; rows beyond `count` repeat the last one and are not written. */
-typedef struct cpu_block {
+/* The rows of a block as they come in, RGBA float; those beyond `count` repeat the last one and are not written. */
+typedef struct cpu_rows {
     int width, count;
-    const float *pixel[MAX_LANES];   /* rows of the source */
-    const float *coc[MAX_LANES];     /* their CoC, pixels */
-    const float *coc_below;          /* CoC of the row below the block; NULL where there is none */
-    const float *capacity;           /* heat capacity g, [x][lane]; NULL: 1 everywhere */
-    float row_alive[MAX_LANES];      /* g of a row in the column stage: 0 when all of it was holes */
-    float row_scale, column_scale;   /* conductance of d = 1 along rows and columns */
-    float *mean;                     /* scratch: (width + PAD) * lanes * 4, [x][4][lane] */
-    float *keep;                     /* scratch: (width + PAD) * lanes, [x][lane] */
-    float *tile;                     /* scratch: lanes rows of TILE pixels */
-    float carry[4][MAX_LANES];       /* row stage: the solution right of the tile */
+    const float *pixel[MAX_LANES]; /* rows of the source */
+    const float *coc[MAX_LANES];   /* their CoC, pixels */
+    const float *capacity;         /* heat capacity g, [x][lane]; NULL: 1 everywhere */
+    float row_alive[MAX_LANES];    /* g of a row in the column stage: 0 when all of it was holes */
+} cpu_rows;
+
+/* A block under work. */
+typedef struct cpu_block {
+    cpu_rows in;
+    const float *coc_below;        /* CoC of the row below the block; NULL where there is none */
+    float row_scale, column_scale; /* conductance of d = 1 along rows and columns */
+    float *mean;                   /* scratch: (width + PAD) * lanes * 4, [x][4][lane] */
+    float *keep;                   /* scratch: (width + PAD) * lanes, [x][lane] */
+    float *tile;                   /* scratch: lanes rows of TILE pixels */
+    float carry[4][MAX_LANES];     /* row stage: the solution right of the tile */
 } cpu_block;
 
 /* The column elimination between blocks: what the rows above leave behind, for each column. */
@@ -64,6 +69,59 @@ typedef struct column_kernels {
     void (*up)(float *row, const float *keep, const float *below, int count);
 } column_kernels;
 
+/* ---- the disc kernel (disc.h): complex pixels are two RGBA pixels, one of real and one of imaginary parts */
+
+enum {
+    DISC_ROWS_AT_ONCE = 4, /* of a sweep without a row stage */
+    DISC_SKEW = 16         /* pixels by which a tile lies farther left in each row: diagonals then find their neighbours done */
+};
+
+/* What a link conducts: with d the lesser magnitude of CoC and v = max(1, d^2),
+ *     B = (v - 1) (linear v + constant) / (v (v + fade)) (beta v + offset)
+ * which is disc.h's max(0, 1 - 1/u) (level - slope u/(u + fade)) (beta u + offset) with one division and no 0/0. */
+typedef struct disc_link {
+    float linear, constant, fade;
+    float beta_re, beta_im, offset_re, offset_im;
+} disc_link;
+
+/* Complex pixels side by side and, where there is one, their coefficient `keep`; in the state of lines rest instead. */
+typedef struct disc_span {
+    float *re, *im;           /* RGBA */
+    float *keep_re, *keep_im; /* one a pixel */
+} disc_span;
+
+/* A block in the row stage, a row per lane. */
+typedef struct disc_block {
+    cpu_rows in;                        /* real parts; coc is the magnitude, limited, with borders of -1 */
+    const float *imaginary[MAX_LANES];  /* [0] NULL: there is none */
+    float *mean;                        /* scratch: (width + PAD) * lanes * 8, [x][8][lane] */
+    float *keep;                        /* scratch: (width + PAD) * lanes * 2, [x][2][lane] */
+    float *tile_re, *tile_im;           /* scratch: lanes rows of TILE pixels */
+    float carry[8][MAX_LANES];          /* the solution right of the tile */
+} disc_block;
+
+typedef struct disc_kernels {
+    /* A row of CoC to its magnitude, limited, and -1 beyond `width` up to `padded`. False when a value was not finite. */
+    bool (*magnitude)(const float *coc, float *out, int width, int padded);
+    /* Stage rows (disc_rows.c), as in row_kernels. */
+    bool (*forward)(const disc_block *block, const disc_link *link);
+    void (*backward)(disc_block *block, int x0, int x1);
+    /* Stages columns and diagonals (disc_lines.c): the pixels of a row, each on a line of its own. `lines` is the state of
+     * these lines; count is rounded up to whole vectors, so everything but the output has room for that.
+     * One row of an elimination: near, far: magnitudes of the CoC of these pixels and the next ones on their lines;
+     * writes means and keep to `out`. */
+    void (*eliminate)(const disc_link *link, const disc_span *lines, const float *near, const float *far, float g,
+                      const float *re, const float *im, const disc_span *out, int count, bool stream);
+    /* One row of a substitution, in place in `lines`. */
+    void (*substitute)(const disc_span *lines, const disc_span *means, int count);
+    /* Both in one: the substitution of the lines `solved`, then the elimination of `lines`, in place in `state`. */
+    void (*turn)(const disc_link *link, const disc_span *solved, const disc_span *lines, const float *near, const float *far,
+                 const disc_span *state, int count);
+    /* out = add + Re(weight a); add NULL: 0. Exactly `count` pixels are written. */
+    void (*project)(const float *re, const float *im, float weight_re, float weight_im, const float *add, float *out,
+                    int count);
+} disc_kernels;
+
 /* Stages lens and input/output (pixels.c). */
 typedef struct pixel_kernels {
     /* A row of depth values to signed CoC. x, y: position of its first pixel in the whole picture. */
@@ -79,6 +137,7 @@ typedef struct cpu_kernels {
     const row_kernels *rows;
     const column_kernels *columns;
     const pixel_kernels *pixels;
+    const disc_kernels *disc;
 } cpu_kernels;
 
 extern const cpu_kernels cpu_kernels_baseline; /* always there; the others are picked in dispatch.c */

@@ -5,42 +5,17 @@
  * Coefficients are vectors of rows; pixels are vectors of GROUP rows x RGBA, four to a column. */
 #include "conductance.h"
 #include "isa.h"
-
-#define PREFETCH 32 /* pixels ahead: a block reads more rows at once than the hardware follows streams */
-
-/* GROUP columns of all rows, from rows to columns: out[j][k] is column j of the rows GROUP*k and up. */
-static inline void load_columns(const cpu_block *b, int x, vfloat out[GROUP][4]) {
-    for (int k = 0; k < 4; k++) {
-        vfloat v[GROUP];
-        for (int i = 0; i < GROUP; i++) v[i] = v_load(b->pixel[k * GROUP + i] + 4 * (ptrdiff_t)x);
-        v_transpose_pixels(v);
-        for (int j = 0; j < GROUP; j++) out[j][k] = v[j];
-    }
-}
-
-/* The last columns, where a vector would run over the end of the row. */
-static inline void load_columns_short(const cpu_block *b, int x, vfloat out[GROUP][4]) {
-    float part[4 * GROUP] = {0};
-    for (int k = 0; k < 4; k++) {
-        vfloat v[GROUP];
-        for (int i = 0; i < GROUP; i++) {
-            memcpy(part, b->pixel[k * GROUP + i] + 4 * (ptrdiff_t)x, (size_t)(b->width - x) * 4 * sizeof(float));
-            v[i] = v_load(part);
-        }
-        v_transpose_pixels(v);
-        for (int j = 0; j < GROUP; j++) out[j][k] = v[j];
-    }
-}
+#include "row_load.h"
 
 /* Magnitudes of the CoC of LANES columns, [column][row]; zeros beyond the row's end. */
 static inline void load_coc(const cpu_block *b, int x, vfloat d[LANES]) {
-    const int left = b->width - x;
+    const int left = b->in.width - x;
     for (int i = 0; i < LANES; i++) {
         if (left >= LANES) {
-            d[i] = v_abs(v_load(b->coc[i] + x));
+            d[i] = v_abs(v_load(b->in.coc[i] + x));
         } else {
             float part[LANES] = {0};
-            if (left > 0) memcpy(part, b->coc[i] + x, (size_t)left * sizeof(float));
+            if (left > 0) memcpy(part, b->in.coc[i] + x, (size_t)left * sizeof(float));
             d[i] = v_abs(v_load(part));
         }
     }
@@ -64,20 +39,12 @@ static inline __attribute__((always_inline)) void row_step(row_state *s, vfloat 
     for (int k = 0; k < 4; k++) v_store(mean + k * LANES, s->mean[k]);
 }
 
-static inline void prefetch_rows(const cpu_block *b, int x) {
-    if (x + PREFETCH >= b->width) return;
-    for (int i = 0; i < LANES; i++) __builtin_prefetch(b->pixel[i] + 4 * ((ptrdiff_t)x + PREFETCH), 0, 2);
-}
-
 /* GROUP columns from x, whose conductances to the right are beta. */
 static inline __attribute__((always_inline)) void forward_columns(const cpu_block *b, row_state *s, int x,
                                                                   const vfloat beta[GROUP], const float *capacity) {
     vfloat pixel[GROUP][4];
-    if (x % 4 == 0) prefetch_rows(b, x);
-    if (x + GROUP <= b->width)
-        load_columns(b, x, pixel);
-    else
-        load_columns_short(b, x, pixel);
+    if (x % 4 == 0) prefetch_rows(b->in.pixel, x, b->in.width);
+    load_columns(b->in.pixel, x, b->in.width, pixel);
     for (int i = 0; i < GROUP; i++) {
         ptrdiff_t at = (ptrdiff_t)(x + i) * LANES;
         vfloat g = capacity ? v_load(capacity + at) : v_set(1.0f);
@@ -94,17 +61,17 @@ static inline __attribute__((always_inline)) bool forward(const cpu_block *block
     row_state s = {0};
 
     load_coc(&b, 0, d[0]);
-    for (int x0 = 0, now = 0; x0 < b.width; x0 += LANES, now = !now) {
+    for (int x0 = 0, now = 0; x0 < b.in.width; x0 += LANES, now = !now) {
         vfloat *here = d[now], *next = d[!now];
         load_coc(&b, x0 + LANES, next);
         for (int j = 0; j < LANES; j += GROUP) {
             vfloat beta[GROUP];
-            if (x0 + j >= b.width) break;
+            if (x0 + j >= b.in.width) break;
             for (int i = 0; i < GROUP; i++) {
                 worst = v_max_bits(worst, here[j + i]);
                 vfloat right = j + i + 1 < LANES ? here[j + i + 1] : next[0];
                 beta[i] = conductance(coc_limited(here[j + i]), coc_limited(right), scale);
-                if (x0 + j + i == b.width - 1) beta[i] = v_set(BETA_BORDER);
+                if (x0 + j + i == b.in.width - 1) beta[i] = v_set(BETA_BORDER);
             }
             forward_columns(&b, &s, x0 + j, beta, capacity);
         }
@@ -117,7 +84,7 @@ static inline __attribute__((always_inline)) bool forward(const cpu_block *block
 }
 
 static bool rows_forward(const cpu_block *b) {
-    return b->capacity ? forward(b, b->capacity) : forward(b, NULL);
+    return b->in.capacity ? forward(b, b->in.capacity) : forward(b, NULL);
 }
 
 static void rows_backward(cpu_block *b, int x0, int x1) {
