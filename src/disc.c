@@ -16,9 +16,9 @@ static const disc_kernel good = {
     .components = 2,
     .directions = 4,
     .substeps = 1,
-    .fade = 6.5219,
-    .component = {{0.0112865, 0.0081638, -0.0752629, 0.0858985, 1.508501, -1.846305},
-                  {0, -0.0114327, -0.15, -0.16916, -0.508501, 0.0148006}},
+    .fade = 6.6362,
+    .component = {{0.0097026, 0.0085109, -0.0736597, 0.0836522, 1.598982, -2.07739},
+                  {0, -0.0104698, -0.15, -0.1387213, -0.598982, -0.1699166}},
 };
 
 static const disc_kernel best = {
@@ -26,8 +26,8 @@ static const disc_kernel best = {
     .directions = 4,
     .substeps = 2,
     .fade = 12,
-    .component = {{0.0149647, -0.0068326, -0.064065, -0.0818118, 1.232821, 1.859031},
-                  {0, -0.0130196, -0.15, -0.266684, -0.232821, 0.1087343}},
+    .component = {{0.0135893, -0.0066307, -0.0552749, -0.0761667, 1.283361, 2.109098},
+                  {0, -0.0122841, -0.15, -0.2371251, -0.283361, 0.0572824}},
 };
 
 const disc_kernel *disc_kernel_pick(ddof_quality quality) {
@@ -36,6 +36,16 @@ const disc_kernel *disc_kernel_pick(ddof_quality quality) {
     case DDOF_QUALITY_BEST: return &best;
     default: return &good;
     }
+}
+
+double disc_excess(const disc_kernel *kernel) {
+    double offset = 0, beta = 0;
+    for (int j = 0; j < kernel->components; j++) {
+        const disc_component *c = &kernel->component[j];
+        offset += c->weight_re * c->offset_re - c->weight_im * c->offset_im;
+        beta += c->weight_re * c->beta_re - c->weight_im * c->beta_im;
+    }
+    return offset / beta;
 }
 
 disc_share disc_direction(const disc_kernel *kernel, int direction, double aspect) {

@@ -192,20 +192,21 @@ static disc_line disc_line_at(const planes *p, int direction, int k) {
     return (disc_line){(size_t)down * width + (size_t)x, width - 1, columns < rows ? columns : rows};
 }
 
-static double complex disc_conductance(double d, const disc_component *c, double fade, disc_share share) {
-    if (d <= 1) return BETA_FLOOR;
-    const double u = d * d, part = (1 - 1 / u) * (share.level - share.slope * u / (u + fade));
-    return part * (c->beta_re * u + c->offset_re) + BETA_FLOOR + part * (c->beta_im * u + c->offset_im) * I;
+static double complex disc_conductance(double d, const disc_component *c, const disc_kernel *k, disc_share share) {
+    const double u = d * d, v = fmax(u, 1);
+    const double part = u / (v + disc_excess(k)) * (share.level - share.slope * v / (v + k->fade));
+    return part * (c->beta_re * v + c->offset_re) + BETA_FLOOR + part * (c->beta_im * v + c->offset_im) * I;
 }
 
 /* As solve_line(), with complex conductance. */
-static void solve_disc_line(planes *p, disc_line l, const disc_component *component, double fade, disc_share share) {
+static void solve_disc_line(planes *p, disc_line l, const disc_component *component, const disc_kernel *kernel,
+                            disc_share share) {
     const size_t n = (size_t)p->width * (size_t)p->height;
     double complex w = 0;
     for (int i = 0; i < l.count; i++) {
         const size_t at = l.first + l.stride * (size_t)i;
         w = p->g[at] + (i > 0 ? p->b[i - 1] * w * p->r[i - 1] : 0);
-        p->b[i] = i + 1 < l.count ? disc_conductance(link(p->coc[at], p->coc[at + l.stride]), component, fade, share) : 0;
+        p->b[i] = i + 1 < l.count ? disc_conductance(link(p->coc[at], p->coc[at + l.stride]), component, kernel, share) : 0;
         p->r[i] = w + p->b[i] != 0 ? 1 / (w + p->b[i]) : 0; /* 0 only at the end of a line of holes */
     }
     for (int c = 0; c < p->channels; c++) {
@@ -228,7 +229,7 @@ static ddof_status diffuse_component(ddof_context *ctx, planes *p, const frame_j
         for (int direction = 0; direction < job->disc->directions; direction++) {
             const disc_share share = disc_direction(job->disc, direction, job->pixel_aspect);
             for (int k = 0; k < disc_lines(p, direction); k++) {
-                solve_disc_line(p, disc_line_at(p, direction, k), component, job->disc->fade, share);
+                solve_disc_line(p, disc_line_at(p, direction, k), component, job->disc, share);
                 if (!context_progress(ctx, 1)) return DDOF_ERROR_CANCELLED;
             }
             if (direction == DISC_ROWS) mark_filled(p);

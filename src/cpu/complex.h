@@ -15,8 +15,8 @@ typedef struct vcomplex {
 /* B of disc.h and the floor, between pixels with CoC of magnitude d0, d1. A magnitude of -1 is a pixel that does not
  * exist: nothing is conducted to it, not even by the floor. */
 static inline vcomplex disc_conductance(vfloat d0, vfloat d1, const disc_link *link) {
-    const vfloat d = v_min(d0, d1), v = v_max(d * d, v_set(1)), above = v - 1;
-    const vfloat share = above * v_fma(v_set(link->linear), v, v_set(link->constant)) / (v * (v + link->fade));
+    const vfloat d = v_min(d0, d1), u = v_max(d, v_set(0)) * d, v = v_max(u, v_set(1));
+    const vfloat share = u * v_fma(v_set(link->linear), v, v_set(link->constant)) / ((v + link->excess) * (v + link->fade));
     const vfloat floor = (vfloat)((vint)(d >= 0) & (vint)v_set((float)BETA_FLOOR));
     return (vcomplex){v_fma(share, v_fma(v_set(link->beta_re), v, v_set(link->offset_re)), floor),
                       share * v_fma(v_set(link->beta_im), v, v_set(link->offset_im))};

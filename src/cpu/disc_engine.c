@@ -297,7 +297,7 @@ static disc_link link_of(const disc_run *run, int direction) {
     const disc_component *c = &run->kernel->component[run->component];
     const disc_share share = disc_direction(run->kernel, direction, run->f.job->pixel_aspect);
     return (disc_link){(float)(share.level - share.slope), (float)(share.level * run->kernel->fade), (float)run->kernel->fade,
-                       (float)c->beta_re, (float)c->beta_im, (float)c->offset_re, (float)c->offset_im};
+                       (float)disc_excess(run->kernel), (float)c->beta_re, (float)c->beta_im, (float)c->offset_re, (float)c->offset_im};
 }
 
 static void clear_lines(const disc_span *lines, size_t count) {

@@ -77,10 +77,10 @@ enum {
 };
 
 /* What a link conducts: with d the lesser magnitude of CoC and v = max(1, d^2),
- *     B = (v - 1) (linear v + constant) / (v (v + fade)) (beta v + offset)
- * which is disc.h's max(0, 1 - 1/u) (level - slope u/(u + fade)) (beta u + offset) with one division and no 0/0. */
+ *     B = d^2 (linear v + constant) / ((v + excess) (v + fade)) (beta v + offset)
+ * which is disc.h's with one division. */
 typedef struct disc_link {
-    float linear, constant, fade;
+    float linear, constant, fade, excess;
     float beta_re, beta_im, offset_re, offset_im;
 } disc_link;
 

@@ -19,12 +19,12 @@ typedef struct constants {
 /* From docs/disc.md. */
 static const constants models[] = {
     [DDOF_QUALITY_DRAFT] = {1, 2, 1, 0, {{0.0146618L, -0.0348723L}}, {{0.0197902L, -0.1624852L}}, {{1, 0.4648333L}}},
-    [DDOF_QUALITY_GOOD] = {2, 4, 1, 6.5219L, {{0.0112865L, 0.0081638L}, {0, -0.0114327L}},
-                           {{-0.0752629L, 0.0858985L}, {-0.15L, -0.16916L}},
-                           {{1.508501L, -1.846305L}, {-0.508501L, 0.0148006L}}},
-    [DDOF_QUALITY_BEST] = {2, 4, 2, 12, {{0.0149647L, -0.0068326L}, {0, -0.0130196L}},
-                           {{-0.064065L, -0.0818118L}, {-0.15L, -0.266684L}},
-                           {{1.232821L, 1.859031L}, {-0.232821L, 0.1087343L}}},
+    [DDOF_QUALITY_GOOD] = {2, 4, 1, 6.6362L, {{0.0097026L, 0.0085109L}, {0, -0.0104698L}},
+                           {{-0.0736597L, 0.0836522L}, {-0.15L, -0.1387213L}},
+                           {{1.598982L, -2.07739L}, {-0.598982L, -0.1699166L}}},
+    [DDOF_QUALITY_BEST] = {2, 4, 2, 12, {{0.0135893L, -0.0066307L}, {0, -0.0122841L}},
+                           {{-0.0552749L, -0.0761667L}, {-0.15L, -0.2371251L}},
+                           {{1.283361L, 2.109098L}, {-0.283361L, 0.0572824L}}},
 };
 
 static const long double FAINT = 1e-14L, LARGEST_COC = 1e5L;
@@ -36,13 +36,19 @@ static const constants *model_of(ddof_quality quality) {
 }
 
 static number total(const constants *m, int j, long double u) {
-    return u > 1 ? (1 - 1 / u) * (m->beta[j][0] * u + m->offset[j][0] + (m->beta[j][1] * u + m->offset[j][1]) * I) : 0;
+    const long double v = fmaxl(u, 1);
+    long double beta = 0, offset = 0;
+    for (int k = 0; k < m->components; k++) {
+        beta += m->weight[k][0] * m->beta[k][0] - m->weight[k][1] * m->beta[k][1];
+        offset += m->weight[k][0] * m->offset[k][0] - m->weight[k][1] * m->offset[k][1];
+    }
+    return u / (v + offset / beta) * (m->beta[j][0] * v + m->offset[j][0] + (m->beta[j][1] * v + m->offset[j][1]) * I);
 }
 
 static number conductance(const disc_oracle *o, const constants *m, int j, int direction, float c0, float c1) {
     const long double p = isfinite(c0) ? fabsl((long double)c0) : LARGEST_COC,
                       q = isfinite(c1) ? fabsl((long double)c1) : LARGEST_COC, d = fminl(fminl(p, q), LARGEST_COC),
-                      a2 = o->aspect * o->aspect, u = d * d, t = u / (u + m->fade);
+                      a2 = o->aspect * o->aspect, u = d * d, v = fmaxl(u, 1), t = v / (v + m->fade);
     const number b = total(m, j, u), diagonal = m->directions == 2 ? 0 : fminl(1, a2) * b * t / 4;
     const number part[4] = {b - 2 * diagonal, a2 * b - 2 * diagonal, diagonal, diagonal};
     return part[direction] / m->substeps + FAINT;
