@@ -19,6 +19,12 @@ input|Input, unchanged|copy
 classic|Heat, classic|ddof --conductance classic
 matched|Heat, matched|ddof --conductance matched
 matched2|Heat, matched, 2 substeps|ddof --conductance matched --substeps 2
+disc_draft|Disc, draft|ddof --kernel disc --quality draft
+disc|Disc, good|ddof --kernel disc
+disc_best|Disc, best|ddof --kernel disc --quality best
+heat_layers|Heat, matched, layers|ddof --conductance matched --layers auto
+layers|Disc, good, layers|ddof --kernel disc --layers auto
+layers_best|Disc, best, layers|ddof --kernel disc --quality best --layers auto
 gather|Disc gather|baseline gather
 scatter|Disc scatter|baseline scatter
 imagemagick|ImageMagick blur map|imagemagick
@@ -54,7 +60,8 @@ fail() {
 
 # --- build
 if ! { [ -f "$build/build.ninja" ] || meson setup "$build" -Dtests=false; } >"$work/log" 2>&1 ||
-   ! ninja -C "$build" tools/ddof tests/quality/quality_baseline tests/quality/quality_report >>"$work/log" 2>&1; then
+   ! ninja -C "$build" tools/ddof tests/quality/quality_baseline tests/quality/quality_report \
+        tests/quality/quality_popping >>"$work/log" 2>&1; then
     fail "the build failed"
 fi
 ddof=$build/tools/ddof
@@ -166,6 +173,29 @@ while IFS='|' read -r case folder colour truth extra title about <&4; do
     run_case
 done 4<"$work/cases"
 
+# --- popping: a pulled focus, frame by frame
+popping=$build/tests/quality/quality_popping
+pull_options='--kernel disc --layers auto'
+pull() {
+    for truth in "$scenes"/seq/dof_f1.4.*.exr; do
+        frame=${truth%.exr} frame=${frame##*.}
+        # shellcheck disable=SC2086 # words
+        "$ddof" render "$scenes/seq/pinhole.$frame.exr" -o "$work/pull.$frame.exr" --camera "$scenes/seq/scene.json" \
+            --render "$truth" $pull_options --quiet || return 1
+        "$ddof" coc "$scenes/seq/pinhole.$frame.exr" -o "$work/pull.$frame.coc.exr" --camera "$scenes/seq/scene.json" \
+            --render "$truth" --quiet || return 1
+    done
+    set -- "$scenes"/seq/dof_f1.4.*.exr
+    ls "$work"/pull.????.exr >"$work/pulled" && ls "$work"/pull.*.coc.exr >"$work/pulled.coc" || return 1
+    # shellcheck disable=SC2046 # words without spaces: mktemp's
+    "$popping" $# $(cat "$work/pulled") "$@" $(cat "$work/pulled.coc") | tail -n 1
+}
+pulled=
+if ls "$scenes"/seq/dof_f1.4.*.exr >/dev/null 2>&1; then
+    pulled=$(pull) || fail "the focus pull failed"
+    echo "quality: focus pull: $pulled"
+fi
+
 # --- report
 cat >"$work/about" <<'END'
 Every method gives the same pictures a depth of field, and is measured against path-traced pictures of the same views through
@@ -177,6 +207,12 @@ a real aperture. Made by `make quality`; [the pictures](index.html). Bold is the
   it in the bright discs of `lights` (4 % to 7 %).
 - The gather and the scatter are what discs alone can do with one layer of pixels: neither knows what is hidden behind a near object.
 END
+if [ -n "$pulled" ]; then
+    cat >>"$work/about" <<END
+- Popping: over the twelve frames of \`seq\`, a focus pull with a moving camera, by \`ddof render $pull_options\`: root mean square
+  of the second difference in time, of tone-mapped pixels outside silhouettes: $pulled.
+END
+fi
 "$build/tests/quality/quality_report" markdown "$work" >"$work/results.md" || fail "no results.md"
 "$build/tests/quality/quality_report" html "$work" >"$work/pictures/index.html" || fail "no index.html"
 rm -f "$out"/*.jpg "$out/index.html"
