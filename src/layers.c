@@ -77,6 +77,7 @@ static float *take(char *base, size_t *used, size_t count) {
 typedef struct inner_job {
     frame_job job;
     ddof_frame frame;
+    ddof_settings settings;
 } inner_job;
 
 static void inner(const work *w, const frame_job *job, inner_job *i, float *pixels, int channels, int x, int y, int width,
@@ -90,6 +91,9 @@ static void inner(const work *w, const frame_job *job, inner_job *i, float *pixe
                                                               DDOF_FLOAT, (ptrdiff_t)sizeof(float) * channels * w->width);
     i->frame.coc = ddof_image_interleaved(w->reach ? w->reach + at : NULL, width, height, 1, DDOF_FLOAT,
                                           (ptrdiff_t)sizeof(float) * w->width);
+    i->settings = *job->settings;
+    i->settings.layers = DDOF_LAYERS_OFF;
+    i->job.settings = &i->settings;
     i->job.frame = &i->frame;
     i->job.coc_source = i->frame.coc;
     i->job.is_depth = false;
@@ -403,7 +407,8 @@ static ddof_status diffuse_layer(work *w, float *pixels, int channels, double fr
     inner(w, w->job, &i, pixels, channels, l->x0, l->y0, l->x1 - l->x0, l->y1 - l->y0);
     if (l->focus && i.job.disc) { /* at 2 pixels a disc cannot be told from a bell */
         i.job.disc = NULL;
-        i.job.substeps = 1;
+        i.settings.kernel = DDOF_KERNEL_HEAT;
+        i.settings.quality = DDOF_QUALITY_DEFAULT;
     }
     context_stage(w->ctx, from, to);
     return w->ctx->backend->diffuse(w->ctx, &i.job, w->rest);
@@ -455,8 +460,14 @@ static void store_row(work *w, int y, float *room) {
 
 /* One layer that nothing was taken out of is the picture itself. */
 static ddof_status as_it_is(work *w) {
+    ddof_settings plain = *w->job->settings;
+    plain.layers = DDOF_LAYERS_OFF;
+    const ddof_settings *given = w->job->settings;
+    w->job->settings = &plain;
     context_stage(w->ctx, w->ctx->progress_shown, 1);
-    return w->ctx->backend->diffuse(w->ctx, w->job, w->rest);
+    const ddof_status status = w->ctx->backend->diffuse(w->ctx, w->job, w->rest);
+    w->job->settings = given;
+    return status;
 }
 
 ddof_status layers_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {

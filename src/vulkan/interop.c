@@ -266,6 +266,9 @@ static ddof_status check_kinds(ddof_vulkan *vk, const ddof_vulkan_frame *f, cons
     same.depth.channels = 0;
     if (f->is_depth && (s->depth.kind < DDOF_DEPTH_PLANAR || s->depth.kind > DDOF_DEPTH_DEVICE))
         return context_fail(&vk->shell, DDOF_ERROR_INVALID, "settings: depth.kind is none of ddof_depth_kind");
+    if (s->layers)
+        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
+                            "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
     return check_settings(&vk->shell, &same, s);
 }
 
