@@ -171,7 +171,7 @@ static inline __attribute__((always_inline)) void finish_row(const disc_span *st
         const vcomplex a = complex_lerp(load_complex(lines.re, lines.im, at), load_complex(means.re, means.im, at),    \
                                         EXPAND_COMPLEX(keep, k));                                                      \
         store_complex(lines.re, lines.im, at, a, false);                                                               \
-        vfloat v = v_fma(weight.re, a.re, -(weight.im * a.im));                                                        \
+        vfloat v = v_fma_minus(weight.im, a.im, weight.re * a.re);                                                        \
         if (add) {                                                                                                     \
             v = v + load_pixels(add + at, left);                                                                       \
             __builtin_prefetch(add + at + 4 * TILE, 1, 3);                                                             \
