@@ -25,8 +25,8 @@ static inline vcomplex disc_conductance(vfloat d0, vfloat d1, const disc_link *l
 /* From a to b by t. Exact where t is 1. */
 static inline vcomplex complex_lerp(vcomplex a, vcomplex b, vcomplex t) {
     vfloat re = v_fma(t.re, b.re, v_remaining(a.re, t.re)), im = v_fma(t.re, b.im, v_remaining(a.im, t.re));
-    re = v_fma(-t.im, b.im, v_fma(t.im, a.im, re));
-    im = v_fma(t.im, b.re, v_fma(-t.im, a.re, im));
+    re = v_fma_minus(t.im, b.im, v_fma(t.im, a.im, re));
+    im = v_fma(t.im, b.re, v_fma_minus(t.im, a.re, im));
     return (vcomplex){re, im};
 }
 
@@ -34,7 +34,7 @@ static inline vcomplex complex_lerp(vcomplex a, vcomplex b, vcomplex t) {
 static inline vcomplex complex_lerp_real(vcomplex a, vfloat b, vcomplex t) {
     vfloat re = v_fma(t.re, b, v_remaining(a.re, t.re)), im = v_remaining(a.im, t.re);
     re = v_fma(t.im, a.im, re);
-    im = v_fma(t.im, b, v_fma(-t.im, a.re, im));
+    im = v_fma(t.im, b, v_fma_minus(t.im, a.re, im));
     return (vcomplex){re, im};
 }
 
@@ -73,9 +73,9 @@ static inline __attribute__((always_inline)) disc_elimination disc_eliminate(vco
     const vfloat one_over = 1 / sum_square;
     const vint kept = (vint)(square < v_fma(b.re, b.re, b.im * b.im));
     const vcomplex n = {v_select(kept, w.re, b.re), v_select(kept, w.im, b.im)};
-    const vcomplex p = {v_fma(n.re, sum.re, n.im * sum.im) * one_over, v_fma(n.im, sum.re, -(n.re * sum.im)) * one_over};
-    e.rest.re = v_fma(n.im, p.im, v_fma(-n.re, p.re, n.re));
-    e.rest.im = v_fma(-n.re, p.im, v_fma(-n.im, p.re, n.im));
+    const vcomplex p = {v_fma(n.re, sum.re, n.im * sum.im) * one_over, v_fma_minus(n.re, sum.im, n.im * sum.re) * one_over};
+    e.rest.re = v_fma(n.im, p.im, v_fma_minus(n.re, p.re, n.re));
+    e.rest.im = v_fma_minus(n.re, p.im, v_fma_minus(n.im, p.re, n.im));
     if (holes) e.rest.re *= back, e.rest.im *= back;
     e.keep.re = v_select(kept, p.re, 1 - p.re);
     e.keep.im = v_select(kept, p.im, -p.im);

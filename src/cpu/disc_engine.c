@@ -158,16 +158,16 @@ static void eliminate_span(disc_run *run, int x, int y, int count, float g, cons
                       count, run->from == SOURCE);
 }
 
-/* Adds the component's part of a solved span to the result, which the last component completes. */
-static void project_span(disc_run *run, disc_worker *w, int x, int y, int count, const disc_span *a) {
+/* Ends the last solve of a span and adds the component's part to the result, which the last component completes. */
+static void finish_span(disc_run *run, disc_worker *w, int x, int y, int count, const disc_span *lines) {
     const disc_component *c = &run->kernel->component[run->component];
     const bool first = run->component == 0, last = run->component == run->kernel->components - 1;
+    const disc_span state = state_at(run, x, y);
     if (x + count > run->f.width) count = run->f.width - x;
-    if (count <= 0) return;
     float *sum = run->sum ? run->sum + ((ptrdiff_t)run->f.width * y + x) * 4
                  : run->output_direct ? image_at(&run->output, 0, x, y) : NULL;
     float *out = !last ? sum : run->output_direct ? image_at(&run->output, 0, x, y) : w->row;
-    run->k->project(a->re, a->im, (float)c->weight_re, (float)c->weight_im, first ? NULL : sum, out, count);
+    run->k->finish(lines, &state, (float)c->weight_re, (float)c->weight_im, first ? NULL : sum, out, count);
     if (last && !run->output_direct) span_store(&run->output, x, y, count, out, run->straight_out, run->f.k->pixels);
 }
 
@@ -175,19 +175,16 @@ static void project_span(disc_run *run, disc_worker *w, int x, int y, int count,
 
 /* Row y of the block's tile: ends the solve before; begins the next, or hands on the solution. */
 static void tile_row(disc_run *run, disc_worker *w, int x, int y, int count) {
-    const disc_span a = lines_at(run, &run->solved, run->from, x, y), state = state_at(run, x, y);
-    if (run->to > DISC_COLUMNS) {
+    const disc_span solved = lines_at(run, &run->solved, run->from, x, y), state = state_at(run, x, y);
+    if (run->to == RESULT) {
+        finish_span(run, w, x, y, count, &solved);
+    } else if (run->to == DISC_COLUMNS) { /* after rows, which go on with the solution */
+        run->k->substitute(&solved, &state, count);
+    } else {
         const int down = run->up ? -1 : 1;
         const disc_span lines = lines_at(run, &run->eliminated, run->to, x, y);
-        run->k->turn(&run->link, &a, &lines, coc_at(run, x, y), coc_at(run, x + down * lean(run->to), y + down), &state, count);
-        return;
-    }
-    run->k->substitute(&a, &state, count);
-    if (run->to == RESULT) {
-        project_span(run, w, x, y, count, &a);
-    } else { /* the rows go on with it */
-        memcpy(state.re, a.re, (size_t)count * 4 * sizeof(float));
-        memcpy(state.im, a.im, (size_t)count * 4 * sizeof(float));
+        run->k->turn(&run->link, &solved, &lines, coc_at(run, x, y), coc_at(run, x + down * lean(run->to), y + down), &state,
+                     count);
     }
 }
 

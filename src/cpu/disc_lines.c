@@ -98,10 +98,10 @@ static void substitute(const disc_span *state, const disc_span *from, int count)
 #define STEP(k)                                                                                                        \
     do {                                                                                                               \
         const ptrdiff_t at = 4 * (ptrdiff_t)x + (k) * LANES;                                                           \
-        store_complex(lines.re, lines.im, at,                                                                          \
-                      complex_lerp(load_complex(lines.re, lines.im, at), load_complex(means.re, means.im, at),         \
-                                   EXPAND_COMPLEX(keep, k)),                                                           \
-                      false);                                                                                          \
+        const vcomplex a = complex_lerp(load_complex(lines.re, lines.im, at), load_complex(means.re, means.im, at),    \
+                                        EXPAND_COMPLEX(keep, k));                                                      \
+        store_complex(lines.re, lines.im, at, a, false);                                                               \
+        store_complex(means.re, means.im, at, a, false);                                                               \
     } while (0)
         STEP(0);
         STEP(1);
@@ -140,32 +140,62 @@ static void turn(const disc_link *to, const disc_span *from_lines, const disc_sp
     }
 }
 
-static inline vfloat project_pixels(const float *re, const float *im, vcomplex weight) {
-    return v_fma(weight.re, v_load(re), -(weight.im * v_load(im)));
+/* Stores a vector of pixels, the first `left` floats of it. */
+static inline __attribute__((always_inline)) void store_pixels(float *out, vfloat v, ptrdiff_t left, bool stream) {
+    if (left < LANES)
+        memcpy(out, &v, left > 0 ? (size_t)left * sizeof(float) : 0);
+    else if (stream)
+        v_stream(out, v);
+    else
+        v_store(out, v);
 }
 
-static void project(const float *re, const float *im, float weight_re, float weight_im, const float *add, float *out,
-                    int count) {
+static inline vfloat load_pixels(const float *in, ptrdiff_t left) {
+    if (left >= LANES) return v_load(in);
+    float part[LANES] = {0};
+    if (left > 0) memcpy(part, in, (size_t)left * sizeof(float));
+    return v_load(part);
+}
+
+static inline __attribute__((always_inline)) void finish_row(const disc_span *state, const disc_span *from, float weight_re,
+                                                             float weight_im, const float *add, float *out, int count,
+                                                             bool stream) {
+    const disc_span lines = *state, means = *from;
     const vcomplex weight = {v_set(weight_re), v_set(weight_im)};
-    const ptrdiff_t all = 4 * (ptrdiff_t)count, whole = all / LANES * LANES;
-    const bool stream = !add && (uintptr_t)out % sizeof(vfloat) == 0;
-    for (ptrdiff_t i = 0; i < whole; i += LANES) {
-        vfloat v = project_pixels(re + i, im + i, weight);
-        if (add) v = v + v_load(add + i);
-        if (stream)
-            v_stream(out + i, v);
-        else
-            v_store(out + i, v);
-    }
-    if (whole < all) {
-        float part[LANES] = {0};
-        if (add) memcpy(part, add + whole, (size_t)(all - whole) * sizeof(float));
-        vfloat v = project_pixels(re + whole, im + whole, weight);
-        if (add) v = v + v_load(part);
-        memcpy(out + whole, &v, (size_t)(all - whole) * sizeof(float));
+    for (int x = 0; x < count; x += LANES) {
+        const vcomplex keep = load_complex(means.keep_re, means.keep_im, x);
+        prefetch_tile(&means, x);
+#define STEP(k)                                                                                                        \
+    do {                                                                                                               \
+        const ptrdiff_t at = 4 * (ptrdiff_t)x + (k) * LANES, left = 4 * (ptrdiff_t)count - at;                         \
+        const vcomplex a = complex_lerp(load_complex(lines.re, lines.im, at), load_complex(means.re, means.im, at),    \
+                                        EXPAND_COMPLEX(keep, k));                                                      \
+        store_complex(lines.re, lines.im, at, a, false);                                                               \
+        vfloat v = v_fma_minus(weight.im, a.im, weight.re * a.re);                                                        \
+        if (add) {                                                                                                     \
+            v = v + load_pixels(add + at, left);                                                                       \
+            __builtin_prefetch(add + at + 4 * TILE, 1, 3);                                                             \
+        }                                                                                                              \
+        store_pixels(out + at, v, left, stream);                                                                       \
+    } while (0)
+        STEP(0);
+        STEP(1);
+        STEP(2);
+        STEP(3);
+#undef STEP
     }
     if (stream) v_stream_fence();
 }
 
+static void finish(const disc_span *lines, const disc_span *means, float weight_re, float weight_im, const float *add,
+                   float *out, int count) {
+    if (add)
+        finish_row(lines, means, weight_re, weight_im, add, out, count, false);
+    else if ((uintptr_t)out % sizeof(vfloat) == 0)
+        finish_row(lines, means, weight_re, weight_im, NULL, out, count, true);
+    else
+        finish_row(lines, means, weight_re, weight_im, NULL, out, count, false);
+}
+
 const disc_kernels ISA(disc_kernels) = {magnitude, ISA(disc_forward), ISA(disc_backward), eliminate_span, substitute, turn,
-                                    project};
+                                    finish};

@@ -112,14 +112,15 @@ typedef struct disc_kernels {
      * writes means and keep to `out`. */
     void (*eliminate)(const disc_link *link, const disc_span *lines, const float *near, const float *far, float g,
                       const float *re, const float *im, const disc_span *out, int count, bool stream);
-    /* One row of a substitution, in place in `lines`. */
-    void (*substitute)(const disc_span *lines, const disc_span *means, int count);
+    /* One row of a substitution; the solution is left in `lines` and, in place, in `state`. */
+    void (*substitute)(const disc_span *lines, const disc_span *state, int count);
     /* Both in one: the substitution of the lines `solved`, then the elimination of `lines`, in place in `state`. */
     void (*turn)(const disc_link *link, const disc_span *solved, const disc_span *lines, const float *near, const float *far,
                  const disc_span *state, int count);
-    /* out = add + Re(weight a); add NULL: 0. Exactly `count` pixels are written. */
-    void (*project)(const float *re, const float *im, float weight_re, float weight_im, const float *add, float *out,
-                    int count);
+    /* A substitution whose solution a becomes the result: out = add + Re(weight a); add NULL: 0. Exactly `count` pixels are
+     * written. */
+    void (*finish)(const disc_span *lines, const disc_span *state, float weight_re, float weight_im, const float *add,
+                   float *out, int count);
 } disc_kernels;
 
 /* Stages lens and input/output (pixels.c). */

@@ -92,10 +92,23 @@ static inline vfloat v_fma(vfloat a, vfloat b, vfloat c) {
 #endif
 }
 
+/* c - a * b, likewise; the compilers do not see it in a v_fma of -a. */
+static inline vfloat v_fma_minus(vfloat a, vfloat b, vfloat c) {
+#if defined(__AVX512F__)
+    return (vfloat)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
+#elif defined(__AVX2__)
+    return (vfloat)_mm256_fnmadd_ps((__m256)a, (__m256)b, (__m256)c);
+#elif defined(__ARM_NEON)
+    return (vfloat)vfmsq_f32((float32x4_t)c, (float32x4_t)a, (float32x4_t)b);
+#else
+    return c - a * b;
+#endif
+}
+
 /* a (1 - t) for t in 0..1, as good as if rounded once. */
 static inline vfloat v_remaining(vfloat a, vfloat t) {
 #if defined(__AVX2__) || defined(__ARM_NEON)
-    return v_fma(-t, a, a);
+    return v_fma_minus(t, a, a);
 #else /* a - t a cancels where t is near 1, but there 1 - t is exact */
     return v_select((vint)(t < 0.5f), a - t * a, (1.0f - t) * a);
 #endif
