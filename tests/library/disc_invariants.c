@@ -186,7 +186,8 @@ static void mirrors(const disc_case *c) {
     }
 }
 
-/* Where the CoC varies, mirrored and transposed pictures differ by this much of the range at most (measured: 0.19). */
+/* Where the CoC varies, mirrored and transposed pictures differ by this much of the range at most (measured: 0.49, of
+ * noise between -1 and 1). */
 static void order(const disc_case *c) {
     rng r = {76};
     double worst = 0;
@@ -197,7 +198,7 @@ static void order(const disc_case *c) {
         disc_picture_free(&p);
     }
     if (getenv("DISC_FIGURES")) fprintf(stderr, "order of directions: %.3f\n", worst);
-    assert_true(worst <= 0.5);
+    assert_true(worst <= 0.7);
 }
 
 static double dot(const float *a, const float *b, size_t count) {
@@ -228,7 +229,7 @@ static void self_adjoint(const disc_case *c) {
 /* ---- leaving the range */
 
 /* The most a pixel of the result can be, when all pixels lie within -1..1: the largest sum of magnitudes in a row of the
- * matrix, whose columns are the blurs of single pixels. Measured over random CoC: 1.09; sought after: 1.16. */
+ * matrix, whose columns are the blurs of single pixels. Measured over random CoC: 1.15; sought after by hill climbing: 1.18. */
 static void gain(const disc_case *c) {
     rng r = {78};
     double most = 0;
@@ -277,7 +278,7 @@ typedef struct ringing {
 /* How far below black, or above white, an edge between them goes, and how far below black a light in the dark (its own
  * middle apart, where a single pixel shows). */
 static void overshoot(const disc_case *c) {
-    static const ringing allowed[] = {{DDOF_QUALITY_DRAFT, 0.03, 0.03}, {DDOF_QUALITY_GOOD, 0.03, 0.03}, {DDOF_QUALITY_BEST, 0.03, 0.03}};
+    static const ringing allowed[] = {{DDOF_QUALITY_DRAFT, 0.008, 0.013}, {DDOF_QUALITY_GOOD, 0.005, 0.025}, {DDOF_QUALITY_BEST, 0.003, 0.028}};
     for (int q = 0; q < 3; q++)
         for (int k = 0; k < 4; k++) {
             const double d = (double[]){4, 12, 24, 60}[k];
