@@ -14,26 +14,16 @@ typedef struct bound {
 } bound;
 
 static const bound bounds[] = {
-    {DDOF_QUALITY_DRAFT, 2, 0.119, 0.0037, 0.915},
-    {DDOF_QUALITY_DRAFT, 4, 0.278, 0.0080, 0.725},
-    {DDOF_QUALITY_DRAFT, 8, 0.314, 0.0087, 0.732},
-    {DDOF_QUALITY_DRAFT, 16, 0.321, 0.0087, 0.750},
-    {DDOF_QUALITY_DRAFT, 24, 0.324, 0.0088, 0.755},
-    {DDOF_QUALITY_DRAFT, 48, 0.325, 0.0088, 0.759},
-    {DDOF_QUALITY_DRAFT, 96, 0.326, 0.0088, 0.759},
-    {DDOF_QUALITY_GOOD, 2, 0.199, 0.0071, 0.943},
-    {DDOF_QUALITY_GOOD, 4, 0.184, 0.0135, 0.915},
-    {DDOF_QUALITY_GOOD, 8, 0.152, 0.0128, 0.963},
-    {DDOF_QUALITY_GOOD, 16, 0.128, 0.0144, 0.990},
-    {DDOF_QUALITY_GOOD, 24, 0.128, 0.0150, 0.996},
-    {DDOF_QUALITY_GOOD, 48, 0.130, 0.0154, 0.998},
-    {DDOF_QUALITY_GOOD, 96, 0.130, 0.0155, 0.998},
-    {DDOF_QUALITY_BEST, 2, 0.302, 0.0030, 0.963},
-    {DDOF_QUALITY_BEST, 4, 0.270, 0.0046, 0.931},
-    {DDOF_QUALITY_BEST, 8, 0.139, 0.0085, 0.972},
-    {DDOF_QUALITY_BEST, 16, 0.098, 0.0110, 0.990},
-    {DDOF_QUALITY_BEST, 24, 0.089, 0.0130, 0.995},
-    {DDOF_QUALITY_BEST, 48, 0.090, 0.0144, 0.998},
+    {DDOF_QUALITY_DRAFT, 2, 0.119, 0.0037, 0.915},  {DDOF_QUALITY_DRAFT, 4, 0.278, 0.0080, 0.725},
+    {DDOF_QUALITY_DRAFT, 8, 0.314, 0.0087, 0.732},  {DDOF_QUALITY_DRAFT, 16, 0.321, 0.0087, 0.750},
+    {DDOF_QUALITY_DRAFT, 24, 0.324, 0.0088, 0.755}, {DDOF_QUALITY_DRAFT, 48, 0.325, 0.0088, 0.759},
+    {DDOF_QUALITY_DRAFT, 96, 0.326, 0.0088, 0.759}, {DDOF_QUALITY_GOOD, 2, 0.199, 0.0071, 0.943},
+    {DDOF_QUALITY_GOOD, 4, 0.184, 0.0135, 0.915},   {DDOF_QUALITY_GOOD, 8, 0.152, 0.0128, 0.963},
+    {DDOF_QUALITY_GOOD, 16, 0.128, 0.0144, 0.990},  {DDOF_QUALITY_GOOD, 24, 0.128, 0.0150, 0.996},
+    {DDOF_QUALITY_GOOD, 48, 0.130, 0.0154, 0.998},  {DDOF_QUALITY_GOOD, 96, 0.130, 0.0155, 0.998},
+    {DDOF_QUALITY_BEST, 2, 0.302, 0.0030, 0.963},   {DDOF_QUALITY_BEST, 4, 0.270, 0.0046, 0.931},
+    {DDOF_QUALITY_BEST, 8, 0.139, 0.0085, 0.972},   {DDOF_QUALITY_BEST, 16, 0.098, 0.0110, 0.990},
+    {DDOF_QUALITY_BEST, 24, 0.089, 0.0130, 0.995},  {DDOF_QUALITY_BEST, 48, 0.090, 0.0144, 0.998},
     {DDOF_QUALITY_BEST, 96, 0.090, 0.0148, 0.998},
 };
 
@@ -43,8 +33,8 @@ static void shape(const disc_case *c) {
         const bound *b = &bounds[i];
         const disc_figures f = disc_measure(c, b->quality, b->d);
         if (!(f.l2 <= b->l2 + 0.001 && f.lobe <= b->lobe + 0.0003 && f.isotropy >= b->isotropy - 0.004))
-            fail_msg("%s, d %g: L2 %.4f, lobe %.4f, isotropy %.3f, not %.3f, %.4f, %.3f", disc_quality_names[b->quality],
-                     b->d, f.l2, f.lobe, f.isotropy, b->l2, b->lobe, b->isotropy);
+            fail_msg("%s, d %g: L2 %.4f, lobe %.4f, isotropy %.3f, not %.3f, %.4f, %.3f",
+                     disc_quality_names[b->quality], b->d, f.l2, f.lobe, f.isotropy, b->l2, b->lobe, b->isotropy);
     }
 }
 
@@ -55,8 +45,8 @@ static void promise(const disc_case *c) {
         for (int q = 1; q < 3; q++) {
             const disc_figures f = disc_measure(c, disc_qualities[q], l2[i][0]);
             if (!(f.l2 <= l2[i][q] + c->backend->tolerance && f.isotropy >= 0.95 && f.lobe <= 0.016))
-                fail_msg("%s, d %g: L2 %.4f, isotropy %.3f, lobe %.4f", disc_quality_names[disc_qualities[q]], l2[i][0], f.l2,
-                         f.isotropy, f.lobe);
+                fail_msg("%s, d %g: L2 %.4f, isotropy %.3f, lobe %.4f", disc_quality_names[disc_qualities[q]], l2[i][0],
+                         f.l2, f.isotropy, f.lobe);
         }
 }
 
@@ -66,13 +56,12 @@ static void pinhole(const disc_case *c) {
     for (int q = 0; q < 3; q++)
         for (double d = 2; d <= 32; d += 1) {
             const disc_figures f = disc_measure(c, disc_qualities[q], d);
-            if (!(f.least >= least[q]))
-                fail_msg("%s, d %g: %.3f", disc_quality_names[disc_qualities[q]], d, f.least);
+            if (!(f.least >= least[q])) fail_msg("%s, d %g: %.3f", disc_quality_names[disc_qualities[q]], d, f.least);
         }
 }
 
-/* The variance follows from the conductances exactly, along both axes, for pixels of any shape. It grows with d, and is near
- * that of the disc, d^2/16. */
+/* The variance follows from the conductances exactly, along both axes, for pixels of any shape. It grows with d, and is
+ * near that of the disc, d^2/16. */
 static void width(const disc_case *c) {
     static const double aspects[] = {1, 0.5, 2};
     for (int q = 0; q < 3; q++)
@@ -89,10 +78,11 @@ static void width(const disc_case *c) {
                 x2 += v * x * x;
                 y2 += v * y * y;
             }
-            if (!(fabs(sum - 1) <= 1e-6 + c->backend->tolerance && fabs(x2 / want - 1) <= 1e-5 + 100 * c->backend->tolerance &&
+            if (!(fabs(sum - 1) <= 1e-6 + c->backend->tolerance &&
+                  fabs(x2 / want - 1) <= 1e-5 + 100 * c->backend->tolerance &&
                   fabs(y2 / want / aspect / aspect - 1) <= 1e-5 + 100 * c->backend->tolerance))
-                fail_msg("%s, d %g, aspect %g: sum %.8f, variances %.7g, %.7g, not %.7g", disc_quality_names[disc_qualities[q]], d,
-                         aspect, sum, x2, y2, want);
+                fail_msg("%s, d %g, aspect %g: sum %.8f, variances %.7g, %.7g, not %.7g",
+                         disc_quality_names[disc_qualities[q]], d, aspect, sum, x2, y2, want);
             disc_picture_free(&p);
         }
 }
@@ -105,7 +95,8 @@ static void width_of_a_disc(const disc_case *c) {
             const long double v = disc_oracle_variance(disc_qualities[q], d), off = v / (d * d / 16) - 1;
             if (!(v > before)) fail_msg("%s: the variance falls at d %.3Lf", disc_quality_names[disc_qualities[q]], d);
             if (!(d < 2 || fabsl(off) <= (d < 4 ? 0.32L : d < 8 ? 0.11L : 0.025L)))
-                fail_msg("%s, d %.2Lf: the variance is %.3Lf of a disc's", disc_quality_names[disc_qualities[q]], d, off + 1);
+                fail_msg("%s, d %.2Lf: the variance is %.3Lf of a disc's", disc_quality_names[disc_qualities[q]], d,
+                         off + 1);
             before = v;
         }
     }

@@ -19,10 +19,18 @@ typedef struct constants {
 /* From docs/disc.md. */
 static const constants models[] = {
     [DDOF_QUALITY_DRAFT] = {1, 2, 1, 0, {{0.0146618L, -0.0348723L}}, {{0.0197902L, -0.1624852L}}, {{1, 0.4648333L}}},
-    [DDOF_QUALITY_GOOD] = {2, 4, 1, 12, {{0.0099893L, 0.0095402L}, {0, -0.0106438L}},
+    [DDOF_QUALITY_GOOD] = {2,
+                           4,
+                           1,
+                           12,
+                           {{0.0099893L, 0.0095402L}, {0, -0.0106438L}},
                            {{-0.0970743L, 0.077204L}, {-0.15L, -0.113635L}},
                            {{1.570337L, -1.825557L}, {-0.570337L, -0.162695L}}},
-    [DDOF_QUALITY_BEST] = {2, 4, 2, 12, {{0.0136778L, -0.0088572L}, {0, -0.0119912L}},
+    [DDOF_QUALITY_BEST] = {2,
+                           4,
+                           2,
+                           12,
+                           {{0.0136778L, -0.0088572L}, {0, -0.0119912L}},
                            {{-0.1010171L, -0.0848784L}, {-0.15L, -0.1995637L}},
                            {{1.278649L, 1.576326L}, {-0.278649L, 0.0207762L}}},
 };
@@ -48,9 +56,9 @@ static number conductance(const disc_oracle *o, const constants *m, int j, int d
     return part[direction] / m->substeps + FAINT;
 }
 
-/* The picture as a network: node i has capacity g[i], holds values[i], and is linked to j by link[i n + j]. Node after node is
- * taken out of it (star to mesh): Gaussian elimination without a subtraction, so that links of 1e8 beside links of 1e-14
- * keep their digits. */
+/* The picture as a network: node i has capacity g[i], holds values[i], and is linked to j by link[i n + j]. Node after
+ * node is taken out of it (star to mesh): Gaussian elimination without a subtraction, so that links of 1e8 beside links
+ * of 1e-14 keep their digits. */
 static void eliminate(number *link, number *g, number *values, int n) {
     number *sum = calloc((size_t)n, sizeof *sum);
     for (int i = 0; i < n; i++)
@@ -91,7 +99,8 @@ static void diffuse(const disc_oracle *o, const constants *m, int j, int directi
     number *link = calloc((size_t)n * (size_t)(n + 1), sizeof *link), *g = link + n * n;
     for (int y = 0; y < o->height; y++)
         for (int x = 0; x < o->width; x++) {
-            const int at = y * o->width + x, x1 = x + step_x[direction], y1 = y + step_y[direction], to = y1 * o->width + x1;
+            const int at = y * o->width + x, x1 = x + step_x[direction], y1 = y + step_y[direction],
+                      to = y1 * o->width + x1;
             const bool lost = line_of_holes(o, hole, direction, x, y);
             g[at] = lost || !hole[at] ? 1 : 0;
             if (lost || x1 < 0 || x1 >= o->width || y1 >= o->height) continue;
