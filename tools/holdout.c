@@ -41,7 +41,8 @@ int holdout_read(holdout *h, const char *text, const char *in, const ddof_image 
         return fail("--holdout: %s is %dx%d, but the picture is %dx%d; give one of the same size", h->picture->path,
                     channel->width, channel->height, like->width, like->height);
     const char *channel_name = channel->name;
-    if (io_read_channels(h->picture, selection.part, &channel_name, 1, &error)) return fail("--holdout: %s", error.text);
+    if (io_read_channels(h->picture, selection.part, &channel_name, 1, &error))
+        return fail("--holdout: %s", error.text);
     return convert(h, channel);
 }
 

@@ -14,8 +14,8 @@ typedef struct holdout {
     ddof_image image;
 } holdout;
 
-/* Reads FILE[:CHANNEL]; `in` is the file that ":CHANNEL" means, `like` the picture whose size it must have. Returns 0 or an
- * exit code; holdout_close() is wanted either way. */
+/* Reads FILE[:CHANNEL]; `in` is the file that ":CHANNEL" means, `like` the picture whose size it must have. Returns 0
+ * or an exit code; holdout_close() is wanted either way. */
 int holdout_read(holdout *h, const char *text, const char *in, const ddof_image *like, const io_options *reading);
 void holdout_close(holdout *h);
 

@@ -21,23 +21,29 @@ from scipy.optimize import least_squares
 
 TABLE = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 96, 192)
 FIT_D = (1.5, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 24, 48)
+FIT_D_PINHOLE = (1.5, 2, 3, 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 48, 96)
 
-# name: directions, substeps, fit weights on (negative lobes, unsoftened core, unsoftened negative values), parameters
+# name: directions, substeps, fit weights on (negative lobes, unsoftened core, unsoftened negative values, and, where given: the
+# deepest unsoftened value, second moment for d <= 8, for larger d), parameters
 # parameters: q, gamma, then per component beta (re, im), c (re, im), w (re, im); the last Re w is 1 - rest
 MODELS = {
     "draft": ("hv", 1, (4, 0.4, 1), [0, 0, 0.0146618, -0.0348723, 0.0197902, -0.1624852, 1, 0.4648333]),
     "draft_x": ("hvx", 1, (3.5, 0.4, 1), [0, 0.6309468, 0.0081858, -0.0280502, -0.0313316, -0.1466969, 0.3690532, 0.7781211]),
     "hv2": ("hv", 1, (3, 0.3, 1), [0, 0, 0.0079961, 0.0081893, -0.0398271, 0.0538753, 1.742465, -3.05979, 0, -0.0079664, -0.085538, -0.0730103, -0.7424653, -0.6391547]),
-    "good": ("hvdd", 1, (3.5, 0.3, 2), [6.5219, 0, 0.0112865, 0.0081638, -0.0752629, 0.0858985, 1.508501, -1.846305, 0, -0.0114327, -0.15, -0.16916, -0.5085015, 0.0148006]),
+    "good": ("hvdd", 1, (2.95, 0, 0, 0.7, 4, 1), [12, 0, 0.0099893, 0.0095402, -0.0970743, 0.077204, 1.570337, -1.825557, 0, -0.0106438, -0.15, -0.113635, -0.570337, -0.162695]),
+    "good_nohole": ("hvdd", 1, (3.5, 0.3, 2), [6.5219, 0, 0.0112865, 0.0081638, -0.0752629, 0.0858985, 1.508501, -1.846305, 0, -0.0114327, -0.15, -0.16916, -0.5085015, 0.0148006]),
     "good_l2": ("hvdd", 1, (3.0, 0, 0), [6.6362, 0, 0.0097026, 0.0085109, -0.0736597, 0.0836522, 1.598982, -2.07739, 0, -0.0104698, -0.15, -0.1387213, -0.5989822, -0.1699166]),
     "good_strict": ("hvdd", 1, (3.5, 0.3, 2), [7.7629, 0, 0.0103111, 0.0081678, 0.0486139, 0.0853582, 1.604824, -1.812945, 0, -0.0116698, 0, -0.1603623, -0.604824, 0.0301714]),
-    "best": ("hvdd", 2, (3.5, 0.15, 2), [12, 0, 0.0149647, -0.0068326, -0.064065, -0.0818118, 1.232821, 1.859031, 0, -0.0130196, -0.15, -0.266684, -0.232821, 0.1087343]),
+    "best": ("hvdd", 2, (2.9, 0, 0, 1, 8, 2), [12, 0, 0.0136778, -0.0088572, -0.1010171, -0.0848784, 1.278649, 1.576326, 0, -0.0119912, -0.15, -0.1995637, -0.278649, 0.0207762]),
+    "best_nohole": ("hvdd", 2, (3.5, 0.15, 2), [12, 0, 0.0149647, -0.0068326, -0.064065, -0.0818118, 1.232821, 1.859031, 0, -0.0130196, -0.15, -0.266684, -0.232821, 0.1087343]),
     "best_l2": ("hvdd", 2, (3.3, 0, 0), [12, 0, 0.0135893, -0.0066307, -0.0552749, -0.0761667, 1.283361, 2.109098, 0, -0.0122841, -0.15, -0.2371251, -0.2833607, 0.0572824]),
     "best_strict": ("hvdd", 2, (3.5, 0.15, 2), [12, 0, 0.0141161, -0.0068505, 0.0324562, -0.0805452, 1.273051, 1.946063, 0, -0.0125906, 0, -0.2535087, -0.273051, 0.0833772]),
 }
 # weight of each diameter in the fit (its L2 is divided by this): d < 8, < 12, < 20, < 40, rest
 GOAL = {"hv": (.32, .32, .30, .30, .26), "hvx": (.32, .30, .28, .28, .24),
-        "good": (.25, .20, .09, .10, .08), "best": (.25, .20, .12, .10, .05), "good_l2": (.30, .25, .10, .10, .06), "best_l2": (.30, .25, .13, .10, .04)}
+        "good": (.30, .25, .09, .10, .034), "best": (.30, .25, .14, .10, .026),
+        "good_nohole": (.25, .20, .09, .10, .08), "best_nohole": (.25, .20, .12, .10, .05),
+        "good_strict": (.25, .20, .09, .10, .08), "best_strict": (.25, .20, .12, .10, .05), "good_l2": (.30, .25, .10, .10, .06), "best_l2": (.30, .25, .13, .10, .04)}
 
 
 class Grid:
@@ -115,7 +121,9 @@ def isotropy(k):
 
 def fit(name):
     dirs, n, neg, start = MODELS[name]
-    goals, grids, m = GOAL.get(name) or GOAL[name.split("_")[0] if dirs == "hvdd" else dirs], [Grid(d) for d in FIT_D], len(start) // 6
+    neg, hole, small, large = neg[:3], *(neg[3:] or (0, 0.3, 0.1))
+    grids = [Grid(d) for d in (FIT_D_PINHOLE if hole else FIT_D)]
+    goals, m = GOAL.get(name) or GOAL[dirs], len(start) // 6
     lo = np.array([0.0, -3] + [0, -.08, -.5, -2, -9, -9] * m)
     hi = np.array([12.0, 3] + [.08, .08, 2, 2, 9, 9] * m)
     if m == 2:                          # second component: purely imaginary growth, small constant real part
@@ -131,7 +139,8 @@ def fit(name):
             k, raw = (g.space(spectrum(g, dirs, n, p), soft) for soft in (True, False))
             parts = k - g.target, neg[0] * np.minimum(k, 0), neg[1] * (raw - g.raw) * g.core, neg[2] * np.minimum(raw, 0)
             out += [np.ravel(np.array(parts) * np.sqrt(g.mult) / (g.norm * goal)), [
-                    (0.3 if g.d <= 8 else 0.1) * (variance(dirs, p, g.d) / (g.d**2 / 16) - 1)]]
+                    (small if g.d <= 8 else large) * (variance(dirs, p, g.d) / (g.d**2 / 16) - 1),
+                    hole * min(0, raw.min() * g.d**2 * np.pi / 4) * (g.d > 3)]]
         return np.concatenate(out)
 
     v0 = np.clip(base[free], lo[free] + 1e-10, hi[free] - 1e-10)

@@ -1,8 +1,9 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What must hold of the disc kernel for any picture. Every direction is a symmetric matrix whose rows sum to 1, so constants and
- * the sum stay; but it is no average, so the result may leave the range of the input: by how much, is measured here. */
+/* What must hold of the disc kernel for any picture. Every direction is a symmetric matrix whose rows sum to 1, so
+ * constants and the sum stay; but it is no average, so the result may leave the range of the input: by how much, is
+ * measured here. */
 #include "disc_support.h"
 
 #include <math.h>
@@ -28,7 +29,8 @@ static disc_picture random_picture(int width, int height, coc_pattern coc, rng *
 static void wild_coc(disc_picture *p, int kind, rng *r) {
     for (size_t i = 0; i < pixels_of(p); i++) {
         const double u = rng_unit(r), v = rng_unit(r);
-        const double d[] = {0.5 + 2.5 * u, 1 + u, v < 0.5 ? 0 : 1 + 3 * u, pow(10, 3 * u - 1), v < 0.5 ? 1e4 : 1 + 2 * u, 2 + 20 * u};
+        const double d[] = {
+            0.5 + 2.5 * u, 1 + u, v < 0.5 ? 0 : 1 + 3 * u, pow(10, 3 * u - 1), v < 0.5 ? 1e4 : 1 + 2 * u, 2 + 20 * u};
         p->coc[i] = (float)d[kind % COUNT(d)];
     }
 }
@@ -70,7 +72,8 @@ static void check_sum(const disc_case *c, disc_picture *p, ddof_quality quality,
         after += p->output[i];
         all += fabs(p->color[i]);
     }
-    if (!(fabs(after - before) <= (1e-6 + c->backend->tolerance) * all)) fail_msg("%s: the sum %.9g became %.9g", what, before, after);
+    if (!(fabs(after - before) <= (1e-6 + c->backend->tolerance) * all))
+        fail_msg("%s: the sum %.9g became %.9g", what, before, after);
 }
 
 static void sum(const disc_case *c) {
@@ -92,7 +95,8 @@ static void linear(const disc_case *c) {
     rng r = {73};
     for (int i = 0; i < 30; i++) {
         disc_picture a = random_picture(rng_range(&r, 1, 90), rng_range(&r, 1, 90), (coc_pattern)(i % COC_BEYOND), &r);
-        disc_picture b = random_picture(a.width, a.height, COC_ZERO, &r), both = random_picture(a.width, a.height, COC_ZERO, &r);
+        disc_picture b = random_picture(a.width, a.height, COC_ZERO, &r),
+                     both = random_picture(a.width, a.height, COC_ZERO, &r);
         const ddof_quality quality = disc_qualities[i % 3];
         const size_t n = pixels_of(&a);
         memcpy(b.coc, a.coc, n * sizeof(float));
@@ -134,14 +138,16 @@ typedef enum change { TURNED /* by 180 degrees */, ACROSS, DOWN, TRANSPOSED } ch
 static void apply(float *to, const float *from, int width, int height, change how) {
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-            const int u = how == TURNED || how == ACROSS ? width - 1 - x : x, v = how == TURNED || how == DOWN ? height - 1 - y : y;
+            const int u = how == TURNED || how == ACROSS ? width - 1 - x : x,
+                      v = how == TURNED || how == DOWN ? height - 1 - y : y;
             to[how == TRANSPOSED ? x * height + y : v * width + u] = from[y * width + x];
         }
 }
 
 /* Largest difference between the blur of the changed picture and the changed blur. */
 static double asymmetry(const disc_case *c, disc_picture *p, ddof_quality quality, change how) {
-    disc_picture m = disc_picture_make(how == TRANSPOSED ? p->height : p->width, how == TRANSPOSED ? p->width : p->height, 0);
+    disc_picture m =
+        disc_picture_make(how == TRANSPOSED ? p->height : p->width, how == TRANSPOSED ? p->width : p->height, 0);
     apply(m.color, p->color, p->width, p->height, how);
     apply(m.coc, p->coc, p->width, p->height, how);
     disc_picture_render(c, p, quality, 0);
@@ -152,15 +158,16 @@ static double asymmetry(const disc_case *c, disc_picture *p, ddof_quality qualit
     return worst;
 }
 
-/* Turned by 180 degrees every direction is itself: the same for any CoC. Of one CoC rows and columns commute, so a picture
- * may be transposed; draft, which has no diagonals, may be mirrored whatever the CoC. */
+/* Turned by 180 degrees every direction is itself: the same for any CoC. Of one CoC rows and columns commute, so a
+ * picture may be transposed; draft, which has no diagonals, may be mirrored whatever the CoC. */
 static void symmetries(const disc_case *c) {
     rng r = {75};
     for (int i = 0; i < 60; i++) {
         const ddof_quality quality = disc_qualities[i % 3];
         disc_picture p = random_picture(rng_range(&r, 1, 80), rng_range(&r, 1, 80), (coc_pattern)(i % COC_BEYOND), &r);
         double worst = asymmetry(c, &p, quality, TURNED);
-        if (quality == DDOF_QUALITY_DRAFT) worst = fmax(worst, fmax(asymmetry(c, &p, quality, ACROSS), asymmetry(c, &p, quality, DOWN)));
+        if (quality == DDOF_QUALITY_DRAFT)
+            worst = fmax(worst, fmax(asymmetry(c, &p, quality, ACROSS), asymmetry(c, &p, quality, DOWN)));
         for (size_t k = 0; k < pixels_of(&p); k++)
             p.coc[k] = (float)(1 + i % 20);
         worst = fmax(worst, asymmetry(c, &p, quality, TRANSPOSED));
@@ -184,7 +191,8 @@ static void mirrors(const disc_case *c) {
     }
 }
 
-/* Where the CoC varies, mirrored and transposed pictures differ by this much of the range at most (measured: 0.19). */
+/* Where the CoC varies, mirrored and transposed pictures differ by this much of the range at most (measured: 0.49, of
+ * noise between -1 and 1). */
 static void order(const disc_case *c) {
     rng r = {76};
     double worst = 0;
@@ -195,7 +203,7 @@ static void order(const disc_case *c) {
         disc_picture_free(&p);
     }
     if (getenv("DISC_FIGURES")) fprintf(stderr, "order of directions: %.3f\n", worst);
-    assert_true(worst <= 0.5);
+    assert_true(worst <= 0.7);
 }
 
 static double dot(const float *a, const float *b, size_t count) {
@@ -216,7 +224,8 @@ static void self_adjoint(const disc_case *c) {
         disc_picture_render(c, &a, disc_qualities[i / 2 % 3], 0);
         disc_picture_render(c, &b, disc_qualities[i / 2 % 3], 0);
         const double left = dot(a.output, b.color, (size_t)n), right = dot(a.color, b.output, (size_t)n);
-        if (!(fabs(left - right) <= (c->backend->tolerance + 1e-6) * sqrt(dot(a.color, a.color, (size_t)n) * dot(b.color, b.color, (size_t)n))))
+        if (!(fabs(left - right) <= (c->backend->tolerance + 1e-6) *
+                                        sqrt(dot(a.color, a.color, (size_t)n) * dot(b.color, b.color, (size_t)n))))
             fail_msg("line of %d, CoC pattern %d: <Ax,y> = %.9g, <x,Ay> = %.9g", n, coc, left, right);
         disc_picture_free(&a);
         disc_picture_free(&b);
@@ -225,8 +234,9 @@ static void self_adjoint(const disc_case *c) {
 
 /* ---- leaving the range */
 
-/* The most a pixel of the result can be, when all pixels lie within -1..1: the largest sum of magnitudes in a row of the
- * matrix, whose columns are the blurs of single pixels. Measured over random CoC: 1.09; sought after: 1.16. */
+/* The most a pixel of the result can be, when all pixels lie within -1..1: the largest sum of magnitudes in a row of
+ * the matrix, whose columns are the blurs of single pixels. Measured over random CoC: 1.15; sought after by hill
+ * climbing: 1.18. */
 static void gain(const disc_case *c) {
     rng r = {78};
     double most = 0;
@@ -275,7 +285,8 @@ typedef struct ringing {
 /* How far below black, or above white, an edge between them goes, and how far below black a light in the dark (its own
  * middle apart, where a single pixel shows). */
 static void overshoot(const disc_case *c) {
-    static const ringing allowed[] = {{DDOF_QUALITY_DRAFT, 0.03, 0.03}, {DDOF_QUALITY_GOOD, 0.03, 0.03}, {DDOF_QUALITY_BEST, 0.03, 0.03}};
+    static const ringing allowed[] = {
+        {DDOF_QUALITY_DRAFT, 0.008, 0.013}, {DDOF_QUALITY_GOOD, 0.005, 0.025}, {DDOF_QUALITY_BEST, 0.003, 0.028}};
     for (int q = 0; q < 3; q++)
         for (int k = 0; k < 4; k++) {
             const double d = (double[]){4, 12, 24, 60}[k];
@@ -300,10 +311,11 @@ static void overshoot(const disc_case *c) {
                 dark = fmin(dark, p.output[i] / 1e6 * d * d * 0.7853981634);
             disc_picture_free(&p);
             if (getenv("DISC_FIGURES"))
-                fprintf(stderr, "%s, d %g: edge %.4f %.4f, light %.4f\n", disc_quality_names[allowed[q].quality], d, -low, high, -dark);
+                fprintf(stderr, "%s, d %g: edge %.4f %.4f, light %.4f\n", disc_quality_names[allowed[q].quality], d,
+                        -low, high, -dark);
             if (!(-low <= allowed[q].edge && high <= allowed[q].edge && -dark <= allowed[q].light))
-                fail_msg("%s, d %g: edge %.4f below, %.4f above, light %.4f below", disc_quality_names[allowed[q].quality], d,
-                         -low, high, -dark);
+                fail_msg("%s, d %g: edge %.4f below, %.4f above, light %.4f below",
+                         disc_quality_names[allowed[q].quality], d, -low, high, -dark);
         }
 }
 
@@ -329,8 +341,8 @@ static void holes(const disc_case *c) {
         const double want = lost == (int64_t)pixels_of(&p) ? 0 : 0.7f;
         for (size_t k = 0; k < pixels_of(&p); k++)
             if (!(fabs(p.output[k] - want) <= 2 * c->backend->tolerance))
-                fail_msg("%d x %d, CoC pattern %d: pixel %zu of a constant picture with holes is %.9g", p.width, p.height,
-                         i % COC_BEYOND, k, p.output[k]);
+                fail_msg("%d x %d, CoC pattern %d: pixel %zu of a constant picture with holes is %.9g", p.width,
+                         p.height, i % COC_BEYOND, k, p.output[k]);
         disc_picture_free(&p);
     }
 }
@@ -341,7 +353,8 @@ static void extremes(const disc_case *c) {
     ddof_context *reference = reference_context();
     for (int i = 0; i < 60; i++) {
         const ddof_settings settings = disc_settings(disc_qualities[i % 3]);
-        scene s = scene_fill(rng_range(&r, 1, 90), rng_range(&r, 1, 60), (coc_pattern)(i % COC_BEYOND), COLOR_SIGNED, &r);
+        scene s =
+            scene_fill(rng_range(&r, 1, 90), rng_range(&r, 1, 60), (coc_pattern)(i % COC_BEYOND), COLOR_SIGNED, &r);
         const size_t n = 4 * (size_t)s.width * (size_t)s.height;
         float *want = malloc(n * sizeof *want);
         for (size_t k = 0; k < n; k++)
@@ -353,7 +366,8 @@ static void extremes(const disc_case *c) {
         render(reference, &frame, &settings);
         for (size_t k = 0; k < n; k++)
             assert_true(isfinite(s.output[k]));
-        assert_close(s.output, want, n, 1e6 * c->backend->tolerance, "%d x %d, CoC pattern %d", s.width, s.height, i % COC_BEYOND);
+        assert_close(s.output, want, n, 1e6 * c->backend->tolerance, "%d x %d, CoC pattern %d", s.width, s.height,
+                     i % COC_BEYOND);
         free(want);
         scene_free(&s);
     }

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What the disc kernel is, by school algebra in long double: docs/disc.md and disc.h written down once more, the matrix of a
- * direction of the whole picture at once, solved densely. Small pictures. Shares nothing with the library. */
+/* What the disc kernel is, by school algebra in long double: docs/disc.md and disc.h written down once more, the matrix
+ * of a direction of the whole picture at once, solved densely. Small pictures. Shares nothing with the library. */
 #ifndef TESTS_LIBRARY_DISC_ORACLE_H
 #define TESTS_LIBRARY_DISC_ORACLE_H
 

@@ -74,8 +74,7 @@ static void holes(void **state) {
     rng r = {62};
     ddof_context *ctx = reference_context();
     for (int i = 0; i < 240; i++) {
-        scene s =
-            scene_fill(rng_range(&r, 1, 7), rng_range(&r, 1, 7), (coc_pattern)(i % COC_BEYOND), COLOR_RANDOM, &r);
+        scene s = scene_fill(rng_range(&r, 1, 7), rng_range(&r, 1, 7), (coc_pattern)(i % COC_BEYOND), COLOR_RANDOM, &r);
         bool *hole = calloc((size_t)(s.width * s.height), sizeof *hole);
         disc_oracle o = oracle_of(i);
         o.hole = hole;
