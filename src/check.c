@@ -152,6 +152,20 @@ static ddof_status check_map(ddof_context *ctx, const ddof_frame *f, bool work) 
     return DDOF_OK;
 }
 
+static ddof_status check_holdout(ddof_context *ctx, const ddof_frame *f) {
+    ddof_status status;
+    if (!f->holdout) return DDOF_OK;
+    if ((status = check_image(ctx, f->holdout, 1, "holdout")) != DDOF_OK) return status;
+    if ((status = check_size(ctx, f->holdout, &f->color, "holdout", "color")) != DDOF_OK) return status;
+    ddof_image out = f->output, mask = *f->holdout;
+    image_resolve(&out);
+    image_resolve(&mask);
+    for (int c = 0; c < out.channels; c++)
+        if (overlap(&out, c, &mask, 0))
+            return context_fail(ctx, DDOF_ERROR_INVALID, "frame.output overlaps frame.holdout in memory");
+    return DDOF_OK;
+}
+
 ddof_status check_frame(ddof_context *ctx, const ddof_frame *f, bool work) {
     ddof_status status;
     if (!f) return context_fail(ctx, DDOF_ERROR_INVALID, "frame is NULL");
@@ -166,6 +180,7 @@ ddof_status check_frame(ddof_context *ctx, const ddof_frame *f, bool work) {
                             f->color.channels);
     if ((status = check_size(ctx, &f->output, &f->color, "output", "color")) != DDOF_OK) return status;
     if ((status = check_overlap(ctx, &f->output, &f->color, "color")) != DDOF_OK) return status;
+    if ((status = check_holdout(ctx, f)) != DDOF_OK) return status;
     return check_map(ctx, f, work);
 }
 
