@@ -199,13 +199,13 @@ static int rows_in_block(const disc_run *run, int block) {
 }
 
 static bool solve_block(disc_run *run, disc_worker *w, int block) {
-    const int slant = DISC_SKEW * (run->rows - 1), tiles = (run->padded + slant + TILE - 1) / TILE;
-    const int ahead = (slant + 1 + TILE - 1) / TILE, count = rows_in_block(run, block);
+    const int slant = DISC_SKEW * (run->rows - 1), tiles = (run->padded + slant + DISC_TILE - 1) / DISC_TILE;
+    const int ahead = (slant + 1 + DISC_TILE - 1) / DISC_TILE, count = rows_in_block(run, block);
     for (int t = 0; t < tiles; t++) {
         const int wanted = t + 1 + ahead < tiles ? t + 1 + ahead : tiles;
         if (block > 0 && !block_wait(run->f.ctx, &run->solved_tiles[block - 1], wanted)) return false;
         for (int r = 0; r < count; r++) {
-            int x0 = t * TILE - r * DISC_SKEW, x1 = x0 + TILE;
+            int x0 = t * DISC_TILE - r * DISC_SKEW, x1 = x0 + DISC_TILE;
             if (x0 < 0) x0 = 0;
             if (x1 > run->padded) x1 = run->padded;
             if (x0 < x1) tile_row(run, w, x0, block_row(run, block, r), x1 - x0);

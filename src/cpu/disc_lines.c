@@ -79,22 +79,23 @@ static void eliminate_span(const disc_link *link, const disc_span *lines, const 
 }
 
 /* The same row of the next tile, on its way from memory while this one is worked on: tiles are too short for the hardware to see
- * where they lead. */
-static inline __attribute__((always_inline)) void prefetch_tile(const disc_span *means, int x) {
-    const ptrdiff_t at = x + TILE;
-    for (int k = 0; k < 4; k++) {
-        __builtin_prefetch(means->re + 4 * at + k * LANES, 1, 3);
-        __builtin_prefetch(means->im + 4 * at + k * LANES, 1, 3);
-    }
-    __builtin_prefetch(means->keep_re + at, 1, 3);
-    __builtin_prefetch(means->keep_im + at, 1, 3);
-}
+ * where they lead. A macro, for `level` must be a constant: 3 is the first cache, 2 the second. */
+#define PREFETCH_TILE(means, x, level)                                                                                 \
+    do {                                                                                                               \
+        const ptrdiff_t next = (x) + DISC_TILE;                                                                        \
+        for (int k = 0; k < 4; k++) {                                                                                  \
+            __builtin_prefetch((means).re + 4 * next + k * LANES, 0, level);                                           \
+            __builtin_prefetch((means).im + 4 * next + k * LANES, 0, level);                                           \
+        }                                                                                                              \
+        __builtin_prefetch((means).keep_re + next, 0, level);                                                          \
+        __builtin_prefetch((means).keep_im + next, 0, level);                                                          \
+    } while (0)
 
 static void substitute(const disc_span *state, const disc_span *from, int count) {
     const disc_span lines = *state, means = *from;
     for (int x = 0; x < count; x += LANES) {
         const vcomplex keep = load_complex(means.keep_re, means.keep_im, x);
-        prefetch_tile(&means, x);
+        PREFETCH_TILE(means, x, 2); /* of so many rows the first cache would not hold it */
 #define STEP(k)                                                                                                        \
     do {                                                                                                               \
         const ptrdiff_t at = 4 * (ptrdiff_t)x + (k) * LANES;                                                           \
@@ -119,7 +120,7 @@ static void turn(const disc_link *to, const disc_span *from_lines, const disc_sp
         const vcomplex keep = load_complex(means.keep_re, means.keep_im, x);
         const vcomplex b = disc_conductance(v_load(near + x), v_load(far + x), &link);
         const disc_elimination e = disc_eliminate(load_complex(lines.keep_re, lines.keep_im, x), v_set(1), b, false);
-        prefetch_tile(&means, x);
+        PREFETCH_TILE(means, x, 3);
         store_complex(lines.keep_re, lines.keep_im, x, e.rest, false);
         store_complex(means.keep_re, means.keep_im, x, e.keep, false);
 #define STEP(k)                                                                                                        \
@@ -164,7 +165,7 @@ static inline __attribute__((always_inline)) void finish_row(const disc_span *st
     const vcomplex weight = {v_set(weight_re), v_set(weight_im)};
     for (int x = 0; x < count; x += LANES) {
         const vcomplex keep = load_complex(means.keep_re, means.keep_im, x);
-        prefetch_tile(&means, x);
+        PREFETCH_TILE(means, x, 3);
 #define STEP(k)                                                                                                        \
     do {                                                                                                               \
         const ptrdiff_t at = 4 * (ptrdiff_t)x + (k) * LANES, left = 4 * (ptrdiff_t)count - at;                         \
@@ -174,7 +175,7 @@ static inline __attribute__((always_inline)) void finish_row(const disc_span *st
         vfloat v = v_fma_minus(weight.im, a.im, weight.re * a.re);                                                        \
         if (add) {                                                                                                     \
             v = v + load_pixels(add + at, left);                                                                       \
-            __builtin_prefetch(add + at + 4 * TILE, 1, 3);                                                             \
+            __builtin_prefetch(add + at + 4 * DISC_TILE, 1, 3);                                                             \
         }                                                                                                              \
         store_pixels(out + at, v, left, stream);                                                                       \
     } while (0)
