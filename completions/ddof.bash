@@ -14,7 +14,7 @@ _ddof_options() {
         info) echo "--layer --depth --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
-            --conductance --substeps $engine $gpu $report" ;;
+            --conductance --substeps --kernel --quality $engine $gpu $report" ;;
         solvers) echo "--size $report" ;;
         devices) echo "$report" ;;
     esac
@@ -55,6 +55,8 @@ _ddof_value() {
     case $2 in
         --depth-kind) choices="planar ray inverse normalized device" ;;
         --conductance) choices="matched classic" ;;
+        --kernel) choices="heat disc" ;;
+        --quality) choices="draft good best" ;;
         --backend) choices="auto cpu gl vulkan reference" ;;
         --solver) choices="cr-vanilla cr cr+pack cr4 cr4+pack cr+pcr line pcr pcr3+sweep" ;;
         --surface) choices="rgba16f rgba32f" ;;

@@ -59,6 +59,8 @@ typedef enum option_id {
     OPT_REFERENCE,
     OPT_CONDUCTANCE,
     OPT_SUBSTEPS,
+    OPT_KERNEL,
+    OPT_QUALITY,
     OPT_PREVIEW,
     OPT_EXPOSURE,
     OPT_THREADS,
