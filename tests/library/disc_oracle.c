@@ -18,11 +18,17 @@ typedef struct constants {
 
 static const constants table[] = {
     {1, 2, 1, 0, {{0.0146618, -0.0348723}}, {{0.0197902, -0.1624852}}, {{1, 0.4648333}}},
-    {2, 4, 1, 6.5219L,
+    {2,
+     4,
+     1,
+     6.5219L,
      {{0.0112865, 0.0081638}, {0, -0.0114327}},
      {{-0.0752629, 0.0858985}, {-0.15, -0.16916}},
      {{1.508501, -1.846305}, {-0.508501, 0.0148006}}},
-    {2, 4, 2, 12,
+    {2,
+     4,
+     2,
+     12,
      {{0.0149647, -0.0068326}, {0, -0.0130196}},
      {{-0.064065, -0.0818118}, {-0.15, -0.266684}},
      {{1.232821, 1.859031}, {-0.232821, 0.1087343}}},
@@ -48,8 +54,8 @@ static number link(const constants *k, int component, int direction, long double
     return share / k->substeps + 1e-14L;
 }
 
-/* One implicit step along the line through the pixels at[0..count-1]: the pivot is w + b1, with w the weight of the pixel and all
- * before it, which holes between links of very different size do not cancel. */
+/* One implicit step along the line through the pixels at[0..count-1]: the pivot is w + b1, with w the weight of the
+ * pixel and all before it, which holes between links of very different size do not cancel. */
 static void solve_line(const int *at, int count, const number *links, const long double *g, number *x) {
     number *upper = malloc((size_t)count * sizeof *upper), before = 0, w = 0;
     assert(upper);
@@ -61,12 +67,13 @@ static void solve_line(const int *at, int count, const number *links, const long
         before = empty ? 0 : (g[at[i]] * x[at[i]] + b0 * before) / (w + b1);
         x[at[i]] = before;
     }
-    for (int i = count - 2; i >= 0; i--) x[at[i]] += upper[i] * x[at[i + 1]];
+    for (int i = count - 2; i >= 0; i--)
+        x[at[i]] += upper[i] * x[at[i + 1]];
     free(upper);
 }
 
-static void solve_direction(const disc_oracle *o, const constants *k, int component, int direction, const long double *g,
-                            number *x) {
+static void solve_direction(const disc_oracle *o, const constants *k, int component, int direction,
+                            const long double *g, number *x) {
     static const int step[4][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}};
     const int dx = step[direction][0], dy = step[direction][1], most = o->width + o->height;
     int *at = malloc((size_t)most * sizeof *at);
@@ -77,9 +84,11 @@ static void solve_direction(const disc_oracle *o, const constants *k, int compon
             const int px = x0 - dx, py = y - dy;
             if (px >= 0 && px < o->width && py >= 0) continue; /* not the first pixel of its line */
             int count = 0;
-            for (int i = x0, j = y; i >= 0 && i < o->width && j < o->height; i += dx, j += dy) at[count++] = j * o->width + i;
+            for (int i = x0, j = y; i >= 0 && i < o->width && j < o->height; i += dx, j += dy)
+                at[count++] = j * o->width + i;
             for (int i = 0; i + 1 < count; i++)
-                links[i] = link(k, component, direction < 2 ? direction : 2, o->aspect, o->coc[at[i]], o->coc[at[i + 1]]);
+                links[i] =
+                    link(k, component, direction < 2 ? direction : 2, o->aspect, o->coc[at[i]], o->coc[at[i + 1]]);
             solve_line(at, count, links, g, x);
         }
     free(links);
@@ -90,8 +99,10 @@ static void solve_direction(const disc_oracle *o, const constants *k, int compon
 static void fill_rows(const disc_oracle *o, long double *g) {
     for (int y = 0; y < o->height; y++) {
         long double *row = g + (size_t)y * (size_t)o->width, any = 0;
-        for (int x = 0; x < o->width; x++) any = fmaxl(any, row[x]);
-        for (int x = 0; x < o->width; x++) row[x] = any;
+        for (int x = 0; x < o->width; x++)
+            any = fmaxl(any, row[x]);
+        for (int x = 0; x < o->width; x++)
+            row[x] = any;
     }
 }
 
@@ -111,11 +122,14 @@ void disc_oracle_blur(const disc_oracle *o, double *values) {
                 solve_direction(o, k, j, direction, g, x);
                 if (s == 0 && direction == 0) fill_rows(o, g);
                 if (direction == 1)
-                    for (size_t i = 0; i < n; i++) g[i] = 1;
+                    for (size_t i = 0; i < n; i++)
+                        g[i] = 1;
             }
-        for (size_t i = 0; i < n; i++) sum[i] += creall(of_parts(k->weight[j]) * x[i]);
+        for (size_t i = 0; i < n; i++)
+            sum[i] += creall(of_parts(k->weight[j]) * x[i]);
     }
-    for (size_t i = 0; i < n; i++) values[i] = (double)sum[i];
+    for (size_t i = 0; i < n; i++)
+        values[i] = (double)sum[i];
     free(sum);
     free(g);
     free(x);
