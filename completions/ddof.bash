@@ -14,7 +14,7 @@ _ddof_options() {
         info) echo "--layer --depth --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
-            --conductance --substeps $engine $gpu $report" ;;
+            --conductance --substeps --kernel --quality $engine $gpu $report" ;;
         solvers) echo "--size $report" ;;
         devices) echo "$report" ;;
     esac

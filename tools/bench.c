@@ -25,28 +25,46 @@ static int solve_once(scene *s, session *work, ddof_stats *stats, double *time) 
     return done == DDOF_OK ? 0 : session_fail(work, done, "bench");
 }
 
-/* One copy and one solve in turn, so that both meet the same state of the machine. */
-static int measure(scene *s, session *work, int runs, ddof_stats *stats, spread *solve, spread *copy) {
+/* The heat kernel on the same picture, what the disc kernel is measured by. */
+static int heat_once(scene *s, session *work, double *time) {
+    const ddof_settings disc = s->settings;
+    ddof_stats stats;
+    s->settings.kernel = DDOF_KERNEL_HEAT;
+    s->settings.quality = DDOF_QUALITY_DEFAULT;
+    const int status = solve_once(s, work, &stats, time);
+    s->settings = disc;
+    return status;
+}
+
+/* One copy and one solve in turn, so that both meet the same state of the machine; with the disc kernel a heat solve as
+ * well, and the ratios of each pair. */
+static int measure(scene *s, session *work, int runs, ddof_stats *stats, spread *solve, spread *copy, spread *ratio) {
     double ignored;
     for (int warm = 0; warm < 2; warm++) {
         int status = solve_once(s, work, stats, &ignored);
+        if (status == 0 && ratio) status = heat_once(s, work, &ignored);
         if (status) return status;
     }
     double *times = malloc((size_t)runs * sizeof *times), *copies = malloc((size_t)runs * sizeof *copies);
+    double *ratios = malloc((size_t)runs * sizeof *ratios), heat = 1;
     copy_crew *crew = copy_crew_create(stats->threads);
-    int status = times && copies && crew ? 0 : fail("bench: out of memory or threads");
+    int status = times && copies && ratios && crew ? 0 : fail("bench: out of memory or threads");
     if (status == 0) copy_crew_run(crew, s->result, s->color, s->bytes);
     for (int i = 0; status == 0 && i < runs; i++) {
         copies[i] = copy_crew_run(crew, s->result, s->color, s->bytes);
-        status = solve_once(s, work, stats, &times[i]);
+        if (ratio) status = heat_once(s, work, &heat);
+        if (status == 0) status = solve_once(s, work, stats, &times[i]);
+        ratios[i] = times[i] / heat;
     }
     if (status == 0) {
         *solve = spread_of(times, runs);
         *copy = spread_of(copies, runs);
+        if (ratio) *ratio = spread_of(ratios, runs);
     }
     copy_crew_destroy(crew);
     free(times);
     free(copies);
+    free(ratios);
     return status;
 }
 
@@ -60,8 +78,13 @@ static const char *type_name(const scene *s) {
     return s->type == DDOF_HALF ? "half" : "float";
 }
 
+static const char *kernel_name(const scene *s) {
+    static const char *const quality[] = {"disc good", "disc draft", "disc good", "disc best"};
+    return s->settings.kernel == DDOF_KERNEL_DISC ? quality[s->settings.quality] : "heat";
+}
+
 static int report_json(const scene *s, const session *work, const ddof_stats *stats, const spread *solve,
-                       const spread *copy, int runs) {
+                       const spread *copy, const spread *ratio, int runs) {
     char processor[128];
     processor_name(processor, sizeof processor);
     const double megapixels = (double)s->width * s->height * 1e-6;
@@ -76,6 +99,7 @@ static int report_json(const scene *s, const session *work, const ddof_stats *st
     json_text(object, "type", type_name(s));
     json_text(object, "layout", layout_name(s));
     cJSON_AddBoolToObject(object, "in_place", s->in_place);
+    json_text(object, "kernel", kernel_name(s));
     json_text(object, "backend", backend_name(work->backend));
     json_text(object, "device", stats->device);
     json_integer(object, "threads", stats->threads);
@@ -88,6 +112,7 @@ static int report_json(const scene *s, const session *work, const ddof_stats *st
     json_number(object, "memcpy_ms", copy->median);
     json_number(object, "memcpy_min_ms", copy->least);
     json_number(object, "memcpy_ratio", solve->median / copy->median);
+    if (ratio) json_number(object, "heat_ratio", ratio->median);
     json_number(object, "megapixels_per_s", megapixels / solve->median * 1e3);
     json_integer(object, "scratch_bytes", (double)stats->scratch_bytes);
     json_integer(object, "peak_rss_bytes", (double)peak_rss_bytes());
@@ -96,7 +121,7 @@ static int report_json(const scene *s, const session *work, const ddof_stats *st
 }
 
 static int report_human(const scene *s, const session *work, const ddof_stats *stats, const spread *solve,
-                        const spread *copy, int runs) {
+                        const spread *copy, const spread *ratio, int runs) {
     char processor[128];
     processor_name(processor, sizeof processor);
     const double pixels = (double)s->width * s->height;
@@ -109,6 +134,9 @@ static int report_human(const scene *s, const session *work, const ddof_stats *s
     printf("memcpy  %9.3f ms median (quartiles %.3f to %.3f) of the same picture\n", copy->median, copy->quarter,
            copy->three_quarters);
     printf("ratio   %9.2f times the memcpy\n", solve->median / copy->median);
+    if (ratio)
+        printf("%-7s %9.2f times the heat kernel, median (quartiles %.2f to %.2f)\n", kernel_name(s) + 5, ratio->median,
+               ratio->quarter, ratio->three_quarters);
     printf("speed   %9.1f megapixels/s\n", pixels * 1e-3 / solve->median);
     printf("scratch %9.2f bytes per pixel (%zu bytes), peak memory of the process %.1f MB\n",
            (double)stats->scratch_bytes / pixels, stats->scratch_bytes, (double)peak_rss_bytes() * 1e-6);
@@ -122,8 +150,14 @@ static int report_human(const scene *s, const session *work, const ddof_stats *s
 
 /* What no backend takes. */
 static int bench_check(const options *o) {
-    static const option_id not_in_table[] = {OPT_SOLVER, OPT_SHARED_CHAIN, OPT_TYPE,
-                                             OPT_LAYOUT, OPT_CHANNELS,     OPT_IN_PLACE};
+    static const option_id not_in_table[] = {OPT_SOLVER,   OPT_SHARED_CHAIN, OPT_TYPE,   OPT_LAYOUT,
+                                             OPT_CHANNELS, OPT_IN_PLACE,     OPT_KERNEL, OPT_QUALITY};
+    const bool disc = option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT) == DDOF_KERNEL_DISC;
+    if (option_given(o, OPT_QUALITY) && !disc) return fail_usage("--quality: is for --kernel disc; add that");
+    if (option_given(o, OPT_SUBSTEPS) && disc)
+        return fail_usage("--substeps: is not for --kernel disc, whose --quality says how many; leave it out");
+    if (option_given(o, OPT_CONDUCTANCE) && disc)
+        return fail_usage("--conductance: is not for --kernel disc, which has its own; leave it out");
     if (!option_given(o, OPT_TABLE)) {
         if (option_given(o, OPT_FORMAT)) return fail_usage("--format: is for --table; add --table, or take --json");
         if (option_given(o, OPT_REFERENCE))
@@ -142,16 +176,23 @@ static int bench_check(const options *o) {
 static int bench_session(const options *o, session *work) {
     scene s;
     ddof_stats stats = {0};
-    spread solve, copy;
+    spread solve = {0}, copy = {0}, ratio = {0};
     const int runs = (int)option_number(o, OPT_RUNS, 31);
     work->progress = false; /* drawing it would be timed */
     int status = scene_create(&s, o, (int)option_number(o, OPT_SIZE, 1920),
                               option_given(o, OPT_SIZE) ? (int)o->value[OPT_SIZE].number_y : 1080);
-    if (status == 0) status = measure(&s, work, runs, &stats, &solve, &copy);
+    const bool disc = option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT) == DDOF_KERNEL_DISC;
+    if (disc) {
+        s.settings.kernel = DDOF_KERNEL_DISC;
+        s.settings.substeps = 0;
+        /* the words stand in the order of the library's names, the first of which is 1 */
+        s.settings.quality = (ddof_quality)(option_number(o, OPT_QUALITY, DDOF_QUALITY_GOOD - 1) + 1);
+    }
+    if (status == 0) status = measure(&s, work, runs, &stats, &solve, &copy, disc ? &ratio : NULL);
     if (status == 0 && option_given(o, OPT_JSON))
-        status = report_json(&s, work, &stats, &solve, &copy, runs);
+        status = report_json(&s, work, &stats, &solve, &copy, disc ? &ratio : NULL, runs);
     else if (status == 0 && !option_given(o, OPT_QUIET))
-        status = report_human(&s, work, &stats, &solve, &copy, runs);
+        status = report_human(&s, work, &stats, &solve, &copy, disc ? &ratio : NULL, runs);
     scene_destroy(&s);
     return status;
 }
@@ -167,6 +208,7 @@ int command_bench(const options *o) {
     status = backend_choose(&choice, o);
     if (status) return status;
     if (choice.backend == DDOF_BACKEND_VULKAN) {
+        if (option_given(o, OPT_KERNEL)) return fail_usage("--kernel: is not for the bench of the Vulkan backend; leave it out");
         status = bench_vulkan_command(o, &choice, &stand_in);
         if (!stand_in) return status;
     }

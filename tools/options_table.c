@@ -100,9 +100,9 @@ const option_spec option_table[OPT_COUNT] = {
         "--table: time the float64 reference too, which is slow", B, 0, 0, 0, NULL},
 
     [OPT_KERNEL] = {"kernel", 0, KIND_CHOICE, "KERNEL", "disc",
-        "heat|disc: what a point becomes, a bell or the even disc that a lens makes (default heat)", R, 0, 0, 0, "heat|disc"},
+        "heat|disc: what a point becomes, a bell or the even disc that a lens makes (default heat)", R | B, 0, 0, 0, "heat|disc"},
     [OPT_QUALITY] = {"quality", 0, KIND_CHOICE, "QUALITY", "best",
-        "draft|good|best: --kernel disc: how close to a disc (default good)", R, 0, 0, 0, "draft|good|best"},
+        "draft|good|best: --kernel disc: how close to a disc (default good)", R | B, 0, 0, 0, "draft|good|best"},
     [OPT_CONDUCTANCE] = {"conductance", 0, KIND_CHOICE, "LAW", "matched",
         "matched: as wide as the lens's disc; classic: beta = CoC squared, wider (default matched)", R | B, 0, 0, 0,
         "matched|classic"},

@@ -65,14 +65,15 @@ void block_load_pixels(const cpu_frame *f, cpu_rows *in, const block_room *room,
 
 void block_load_coc(const cpu_frame *f, cpu_rows *in, const block_room *room, int y) {
     for (int r = 0; r < f->lanes; r++)
-        in->coc[r] =
-            r < in->count ? block_coc_row(f, y + r, room->coc + ((ptrdiff_t)f->width + PAD) * r) : in->coc[in->count - 1];
+        in->coc[r] = r < in->count ? block_coc_row(f, y + r, room->coc + ((ptrdiff_t)f->width + PAD) * r)
+                                   : in->coc[in->count - 1];
 }
 
 int64_t block_find_holes(const cpu_frame *f, cpu_rows *in, const block_room *room) {
     const ptrdiff_t wide = f->width + PAD, lanes = f->lanes;
     int64_t all = 0;
-    for (ptrdiff_t i = 0; i < (wide + 1) * lanes; i++) room->capacity[i] = 1;
+    for (ptrdiff_t i = 0; i < (wide + 1) * lanes; i++)
+        room->capacity[i] = 1;
     for (int r = 0; r < in->count; r++) {
         float *row = room->pixels + wide * 4 * r;
         int64_t holes = 0;

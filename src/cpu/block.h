@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What both kernels' engines share: scratch memory, the rows of a block as the caller has them, and waiting for one another. */
+/* What both kernels' engines share: scratch memory, the rows of a block as the caller has them, and waiting for one
+ * another. */
 #ifndef DDOF_CPU_BLOCK_H
 #define DDOF_CPU_BLOCK_H
 

@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Complex arithmetic of the disc kernel: the conductance of a link, and the elimination of conductance.h carried over. */
+/* Complex arithmetic of the disc kernel: the conductance of a link, and the elimination of conductance.h carried over.
+ */
 #ifndef DDOF_CPU_COMPLEX_H
 #define DDOF_CPU_COMPLEX_H
 
@@ -50,9 +51,10 @@ static inline vfloat power_to_one(vfloat magnitude) {
     return (vfloat)(0x7f000000 - ((vint)magnitude & 0x7f800000));
 }
 
-/* With n the lesser of w and b, p = n/(w + b): keep is p or 1 - p, and rest = w b/(w + b) is n (1 - p) either way, so that
- * nothing is rounded that is near 1. holes: g may be 0, and w then so small that its square is no float. */
-static inline __attribute__((always_inline)) disc_elimination disc_eliminate(vcomplex rest, vfloat g, vcomplex b, bool holes) {
+/* With n the lesser of w and b, p = n/(w + b): keep is p or 1 - p, and rest = w b/(w + b) is n (1 - p) either way, so
+ * that nothing is rounded that is near 1. holes: g may be 0, and w then so small that its square is no float. */
+static inline __attribute__((always_inline)) disc_elimination disc_eliminate(vcomplex rest, vfloat g, vcomplex b,
+                                                                             bool holes) {
     disc_elimination e;
     vcomplex w = {g + rest.re, rest.im};
     vfloat square = v_fma(w.re, w.re, w.im * w.im);
@@ -73,7 +75,8 @@ static inline __attribute__((always_inline)) disc_elimination disc_eliminate(vco
     const vfloat one_over = 1 / sum_square;
     const vint kept = (vint)(square < v_fma(b.re, b.re, b.im * b.im));
     const vcomplex n = {v_select(kept, w.re, b.re), v_select(kept, w.im, b.im)};
-    const vcomplex p = {v_fma(n.re, sum.re, n.im * sum.im) * one_over, v_fma_minus(n.re, sum.im, n.im * sum.re) * one_over};
+    const vcomplex p = {v_fma(n.re, sum.re, n.im * sum.im) * one_over,
+                        v_fma_minus(n.re, sum.im, n.im * sum.re) * one_over};
     e.rest.re = v_fma(n.im, p.im, v_fma_minus(n.re, p.re, n.re));
     e.rest.im = v_fma_minus(n.re, p.im, v_fma_minus(n.im, p.re, n.im));
     if (holes) e.rest.re *= back, e.rest.im *= back;

@@ -1,25 +1,24 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The CPU engine for the disc kernel: which rows are worked on when, by whom, in what memory. The arithmetic is in disc_rows.c
- * and disc_lines.c.
+/* The CPU engine for the disc kernel: which rows are worked on when, by whom, in what memory. The arithmetic is in
+ * disc_rows.c and disc_lines.c.
  *
- * One component after the other. Its solves follow each other in sweeps over the picture, down and up in turn, each of which
- * ends one solve and begins the next, so that a pixel passes through memory once for each direction:
- *     source, rows, elimination of the columns                  down
- *     substitution of the columns, elimination of the diagonals up
+ * One component after the other. Its solves follow each other in sweeps over the picture, down and up in turn, each of
+ * which ends one solve and begins the next, so that a pixel passes through memory once for each direction: source,
+ * rows, elimination of the columns                  down substitution of the columns, elimination of the diagonals up
  *     substitution of the diagonals, of the antidiagonals elimination   down
  *     substitution of the antidiagonals, and either the result  up
  *     or the next substep: rows, elimination of the columns
  * Between sweeps a pixel is a complex mean and its `keep`, 40 bytes in scratch.
  *
- * Columns and diagonals are LINES with an index: x of a column, x - y and x + y of the diagonals but for a constant. What a
- * sweep carries from row to row is kept by line, so a diagonal finds its own wherever it passes. Lines begin and end
- * where a link leads out of the picture: it conducts nothing, and what was carried there before has no weight.
+ * Columns and diagonals are LINES with an index: x of a column, x - y and x + y of the diagonals but for a constant.
+ * What a sweep carries from row to row is kept by line, so a diagonal finds its own wherever it passes. Lines begin and
+ * end where a link leads out of the picture: it conducts nothing, and what was carried there before has no weight.
  *
- * Workers take blocks of rows in order. Within a block tiles go from left to right, and each row of a tile lies DISC_SKEW
- * pixels farther left than the one before, so that the neighbours of its pixels, on whichever side, are done; of the block before
- * only a few more tiles must be. */
+ * Workers take blocks of rows in order. Within a block tiles go from left to right, and each row of a tile lies
+ * DISC_SKEW pixels farther left than the one before, so that the neighbours of its pixels, on whichever side, are done;
+ * of the block before only a few more tiles must be. */
 #include "disc_engine.h"
 
 #include <string.h>
@@ -41,13 +40,13 @@ typedef struct disc_run {
     const disc_kernel *kernel;
     int padded; /* width, in whole vectors */
     ptrdiff_t stride, coc_stride;
-    float *coc;     /* magnitudes: of pixel (0, 0); -1 all around the picture */
+    float *coc;      /* magnitudes: of pixel (0, 0); -1 all around the picture */
     bool *coc_holes; /* rows with a CoC that is not finite */
-    float *state;   /* rows of complex means and keep */
+    float *state;    /* rows of complex means and keep */
     size_t line_count;
-    disc_span solved, eliminated; /* by line: the solution; mean and rest */
+    disc_span solved, eliminated;                /* by line: the solution; mean and rest */
     atomic_int *solved_tiles, *eliminated_tiles; /* per block */
-    float *sum;     /* of the components so far; NULL: in the output */
+    float *sum;                                  /* of the components so far; NULL: in the output */
     ddof_image output;
     bool straight_out, output_direct;
     disc_worker *worker;
@@ -56,7 +55,7 @@ typedef struct disc_run {
     int component;
     int from, to; /* directions of disc.h; SOURCE, RESULT */
     bool up;
-    int rows;     /* of a block */
+    int rows; /* of a block */
     disc_link link, row_link;
     atomic_int next; /* block to hand out */
 } disc_run;
@@ -154,8 +153,8 @@ static disc_span lines_at(const disc_run *run, const disc_span *lines, int direc
 static void eliminate_span(disc_run *run, int x, int y, int count, float g, const float *re, const float *im) {
     const int down = run->up ? -1 : 1;
     const disc_span lines = lines_at(run, &run->eliminated, run->to, x, y), out = state_at(run, x, y);
-    run->k->eliminate(&run->link, &lines, coc_at(run, x, y), coc_at(run, x + down * lean(run->to), y + down), g, re, im, &out,
-                      count, run->from == SOURCE);
+    run->k->eliminate(&run->link, &lines, coc_at(run, x, y), coc_at(run, x + down * lean(run->to), y + down), g, re, im,
+                      &out, count, run->from == SOURCE);
 }
 
 /* Ends the last solve of a span and adds the component's part to the result, which the last component completes. */
@@ -164,8 +163,9 @@ static void finish_span(disc_run *run, disc_worker *w, int x, int y, int count, 
     const bool first = run->component == 0, last = run->component == run->kernel->components - 1;
     const disc_span state = state_at(run, x, y);
     if (x + count > run->f.width) count = run->f.width - x;
-    float *sum = run->sum ? run->sum + ((ptrdiff_t)run->f.width * y + x) * 4
-                 : run->output_direct ? image_at(&run->output, 0, x, y) : NULL;
+    float *sum = run->sum             ? run->sum + ((ptrdiff_t)run->f.width * y + x) * 4
+                 : run->output_direct ? image_at(&run->output, 0, x, y)
+                                      : NULL;
     float *out = !last ? sum : run->output_direct ? image_at(&run->output, 0, x, y) : w->row;
     run->k->finish(lines, &state, (float)c->weight_re, (float)c->weight_im, first ? NULL : sum, out, count);
     if (last && !run->output_direct) span_store(&run->output, x, y, count, out, run->straight_out, run->f.k->pixels);
@@ -183,8 +183,8 @@ static void tile_row(disc_run *run, disc_worker *w, int x, int y, int count) {
     } else {
         const int down = run->up ? -1 : 1;
         const disc_span lines = lines_at(run, &run->eliminated, run->to, x, y);
-        run->k->turn(&run->link, &solved, &lines, coc_at(run, x, y), coc_at(run, x + down * lean(run->to), y + down), &state,
-                     count);
+        run->k->turn(&run->link, &solved, &lines, coc_at(run, x, y), coc_at(run, x + down * lean(run->to), y + down),
+                     &state, count);
     }
 }
 
@@ -199,13 +199,13 @@ static int rows_in_block(const disc_run *run, int block) {
 }
 
 static bool solve_block(disc_run *run, disc_worker *w, int block) {
-    const int slant = DISC_SKEW * (run->rows - 1), tiles = (run->padded + slant + TILE - 1) / TILE;
-    const int ahead = (slant + 1 + TILE - 1) / TILE, count = rows_in_block(run, block);
+    const int slant = DISC_SKEW * (run->rows - 1), tiles = (run->padded + slant + DISC_TILE - 1) / DISC_TILE;
+    const int ahead = (slant + 1 + DISC_TILE - 1) / DISC_TILE, count = rows_in_block(run, block);
     for (int t = 0; t < tiles; t++) {
         const int wanted = t + 1 + ahead < tiles ? t + 1 + ahead : tiles;
         if (block > 0 && !block_wait(run->f.ctx, &run->solved_tiles[block - 1], wanted)) return false;
         for (int r = 0; r < count; r++) {
-            int x0 = t * TILE - r * DISC_SKEW, x1 = x0 + TILE;
+            int x0 = t * DISC_TILE - r * DISC_SKEW, x1 = x0 + DISC_TILE;
             if (x0 < 0) x0 = 0;
             if (x1 > run->padded) x1 = run->padded;
             if (x0 < x1) tile_row(run, w, x0, block_row(run, block, r), x1 - x0);
@@ -218,7 +218,8 @@ static bool solve_block(disc_run *run, disc_worker *w, int block) {
 /* ---- a block with rows */
 
 static void set_magnitudes(const disc_run *run, cpu_rows *in, int y) {
-    for (int r = 0; r < run->f.lanes; r++) in->coc[r] = coc_at(run, 0, y + (r < in->count ? r : in->count - 1));
+    for (int r = 0; r < run->f.lanes; r++)
+        in->coc[r] = coc_at(run, 0, y + (r < in->count ? r : in->count - 1));
 }
 
 /* Rows of the source, eliminated; in its first look at a block a component finds the holes, too. */
@@ -228,7 +229,8 @@ static void forward_source(disc_run *run, disc_worker *w, int y, int count) {
     block_load_pixels(&run->f, in, &w->room, y, count);
     set_magnitudes(run, in, y);
     w->block.imaginary[0] = NULL;
-    for (int r = 0; r < count; r++) holes |= run->coc_holes[y + r];
+    for (int r = 0; r < count; r++)
+        holes |= run->coc_holes[y + r];
     if (!holes && run->k->forward(&w->block, &run->row_link)) return;
     block_load_coc(&run->f, in, &w->room, y);
     const int64_t found = block_find_holes(&run->f, in, &w->room);
@@ -293,8 +295,14 @@ static void sweep_task(void *data, int index, int id) {
 static disc_link link_of(const disc_run *run, int direction) {
     const disc_component *c = &run->kernel->component[run->component];
     const disc_share share = disc_direction(run->kernel, direction, run->f.job->pixel_aspect);
-    return (disc_link){(float)(share.level - share.slope), (float)(share.level * run->kernel->fade), (float)run->kernel->fade,
-                       (float)disc_excess(run->kernel), (float)c->beta_re, (float)c->beta_im, (float)c->offset_re, (float)c->offset_im};
+    return (disc_link){(float)(share.level - share.slope),
+                       (float)(share.level * run->kernel->fade),
+                       (float)run->kernel->fade,
+                       (float)disc_excess(run->kernel),
+                       (float)c->beta_re,
+                       (float)c->beta_im,
+                       (float)c->offset_re,
+                       (float)c->offset_im};
 }
 
 static void clear_lines(const disc_span *lines, size_t count) {
@@ -358,22 +366,31 @@ static void magnitude_task(void *data, int index, int id) {
         const float *row = block_coc_row(&run->f, y, run->worker[id].room.coc);
         float *out = run->coc + run->coc_stride * y;
         run->coc_holes[y] = !run->k->magnitude(row, out, run->f.width, (int)run->stride + PAD);
-        for (int x = 1; x <= PAD; x++) out[-x] = -1;
+        for (int x = 1; x <= PAD; x++)
+            out[-x] = -1;
     }
 }
 
 static ddof_status magnitudes(disc_run *run) {
     float *above = run->coc - run->coc_stride - PAD, *below = run->coc + run->coc_stride * run->f.height - PAD;
-    for (ptrdiff_t x = 0; x < run->coc_stride; x++) above[x] = below[x] = -1;
+    for (ptrdiff_t x = 0; x < run->coc_stride; x++)
+        above[x] = below[x] = -1;
     return parallel(run, block_count(run->f.height, MAX_LANES), magnitude_task);
 }
 
 ddof_status disc_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
     const ddof_frame *frame = job->frame;
     const int lanes = ctx->kernels->lanes;
-    disc_run run = {.f = {.ctx = ctx, .job = job, .k = ctx->kernels, .width = frame->color.width,
-                          .height = frame->color.height, .lanes = lanes, .source = frame->color},
-                    .k = ctx->kernels->disc, .kernel = job->disc, .output = frame->output};
+    disc_run run = {.f = {.ctx = ctx,
+                          .job = job,
+                          .k = ctx->kernels,
+                          .width = frame->color.width,
+                          .height = frame->color.height,
+                          .lanes = lanes,
+                          .source = frame->color},
+                    .k = ctx->kernels->disc,
+                    .kernel = job->disc,
+                    .output = frame->output};
     arena a = {.base = scratch};
 
     lay_out(ctx, job, &run, &a);
@@ -391,6 +408,7 @@ ddof_status disc_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
     ddof_status status = magnitudes(&run);
     for (run.component = 0; run.component < run.kernel->components && status == DDOF_OK; run.component++)
         status = component(&run);
-    for (int t = 0; t < ctx->threads; t++) job->nonfinite_pixels += run.worker[t].holes;
+    for (int t = 0; t < ctx->threads; t++)
+        job->nonfinite_pixels += run.worker[t].holes;
     return status;
 }

@@ -9,7 +9,8 @@
 
 /* Magnitudes of LANES columns, [column][row]. */
 static inline void load_magnitudes(const disc_block *b, int x, vfloat d[LANES]) {
-    for (int i = 0; i < LANES; i++) d[i] = v_load(b->in.coc[i] + x);
+    for (int i = 0; i < LANES; i++)
+        d[i] = v_load(b->in.coc[i] + x);
     v_transpose(d);
 }
 
@@ -18,8 +19,9 @@ typedef struct row_state {
     vcomplex mean[4];
 } row_state;
 
-static inline __attribute__((always_inline)) void row_step(row_state *s, vfloat g, vcomplex b, bool holes, const vfloat re[4],
-                                                           const vfloat im[4], float *restrict mean, float *restrict keep) {
+static inline __attribute__((always_inline)) void row_step(row_state *s, vfloat g, vcomplex b, bool holes,
+                                                           const vfloat re[4], const vfloat im[4], float *restrict mean,
+                                                           float *restrict keep) {
     disc_elimination e = disc_eliminate(s->rest, g, b, holes);
     s->rest = e.rest;
     v_store(keep, e.keep.re);
@@ -29,13 +31,14 @@ static inline __attribute__((always_inline)) void row_step(row_state *s, vfloat 
                     : complex_lerp_real(s->mean[k], re[k], EXPAND_COMPLEX(e.own, k))
     STEP(0), STEP(1), STEP(2), STEP(3);
 #undef STEP
-    for (int k = 0; k < 4; k++) v_store(mean + k * LANES, s->mean[k].re), v_store(mean + (4 + k) * LANES, s->mean[k].im);
+    for (int k = 0; k < 4; k++)
+        v_store(mean + k * LANES, s->mean[k].re), v_store(mean + (4 + k) * LANES, s->mean[k].im);
 }
 
 /* GROUP columns from x, whose conductances to the right are b. */
 static inline __attribute__((always_inline)) void forward_columns(const disc_block *b, row_state *s, int x,
-                                                                  const vcomplex conductance[GROUP], bool complex_source,
-                                                                  const float *capacity) {
+                                                                  const vcomplex conductance[GROUP],
+                                                                  bool complex_source, const float *capacity) {
     vfloat re[GROUP][4], im[GROUP][4];
     if (x % 4 == 0) {
         prefetch_rows(b->in.pixel, x, b->in.width);
@@ -51,8 +54,8 @@ static inline __attribute__((always_inline)) void forward_columns(const disc_blo
     }
 }
 
-static inline __attribute__((always_inline)) bool forward(const disc_block *block, const disc_link *to, bool complex_source,
-                                                          const float *capacity) {
+static inline __attribute__((always_inline)) bool forward(const disc_block *block, const disc_link *to,
+                                                          bool complex_source, const float *capacity) {
     const disc_block b = *block; /* copies, which stores to scratch cannot change */
     const disc_link link = *to;
     vfloat d[2][LANES];
@@ -71,9 +74,11 @@ static inline __attribute__((always_inline)) bool forward(const disc_block *bloc
     }
     /* what is not finite stays in the mean to the end of its row: one look there is enough */
     vint worst = {0};
-    for (int k = 0; k < 4; k++) worst = v_max_bits(worst, v_abs(s.mean[k].re));
+    for (int k = 0; k < 4; k++)
+        worst = v_max_bits(worst, v_abs(s.mean[k].re));
     int finite = 1;
-    for (int i = 0; i < LANES; i++) finite &= worst[i] < 0x7f800000;
+    for (int i = 0; i < LANES; i++)
+        finite &= worst[i] < 0x7f800000;
     return finite;
 }
 
@@ -84,14 +89,16 @@ bool ISA(disc_forward)(const disc_block *b, const disc_link *link) {
 
 void ISA(disc_backward)(disc_block *b, int x0, int x1) {
     vcomplex y[4];
-    for (int k = 0; k < 4; k++) y[k] = (vcomplex){v_load(b->carry[k]), v_load(b->carry[4 + k])};
+    for (int k = 0; k < 4; k++)
+        y[k] = (vcomplex){v_load(b->carry[k]), v_load(b->carry[4 + k])};
     for (int x = x0 + (x1 - x0 - 1) / GROUP * GROUP; x >= x0; x -= GROUP) {
         vfloat re[4][GROUP], im[4][GROUP];
         for (int i = GROUP - 1; i >= 0; i--) {
-            const float *mean = b->mean + (ptrdiff_t)(x + i) * 8 * LANES, *at = b->keep + (ptrdiff_t)(x + i) * 2 * LANES;
+            const float *mean = b->mean + (ptrdiff_t)(x + i) * 8 * LANES,
+                        *at = b->keep + (ptrdiff_t)(x + i) * 2 * LANES;
             const vcomplex keep = {v_load(at), v_load(at + LANES)};
 #define STEP(k)                                                                                                        \
-    y[k] = complex_lerp(y[k], (vcomplex){v_load(mean + (k) * LANES), v_load(mean + (4 + (k)) * LANES)},                \
+    y[k] = complex_lerp(y[k], (vcomplex){v_load(mean + (k)*LANES), v_load(mean + (4 + (k)) * LANES)},                  \
                         EXPAND_COMPLEX(keep, k)),                                                                      \
     re[k][i] = y[k].re, im[k][i] = y[k].im
             STEP(0), STEP(1), STEP(2), STEP(3);
@@ -107,5 +114,6 @@ void ISA(disc_backward)(disc_block *b, int x0, int x1) {
             }
         }
     }
-    for (int k = 0; k < 4; k++) v_store(b->carry[k], y[k].re), v_store(b->carry[4 + k], y[k].im);
+    for (int k = 0; k < 4; k++)
+        v_store(b->carry[k], y[k].re), v_store(b->carry[4 + k], y[k].im);
 }

@@ -72,7 +72,8 @@ typedef struct column_kernels {
 /* ---- the disc kernel (disc.h): complex pixels are two RGBA pixels, one of real and one of imaginary parts */
 
 enum {
-    DISC_ROWS_AT_ONCE = 4, /* of a sweep without a row stage */
+    DISC_TILE = 64,
+    DISC_ROWS_AT_ONCE = 2, /* of a sweep without a row stage */
     DISC_SKEW = 16         /* pixels by which a tile lies farther left in each row: diagonals then find their neighbours done */
 };
 

@@ -30,13 +30,15 @@ static inline __attribute__((always_inline)) void load_columns(const float *cons
             v[i] = whole ? v_load(pixel) : load_pixels_short(pixel, width - x);
         }
         v_transpose_pixels(v);
-        for (int j = 0; j < GROUP; j++) out[j][k] = v[j];
+        for (int j = 0; j < GROUP; j++)
+            out[j][k] = v[j];
     }
 }
 
 static inline void prefetch_rows(const float *const *row, int x, int width) {
     if (x + PREFETCH >= width) return;
-    for (int i = 0; i < LANES; i++) __builtin_prefetch(row[i] + 4 * ((ptrdiff_t)x + PREFETCH), 0, 2);
+    for (int i = 0; i < LANES; i++)
+        __builtin_prefetch(row[i] + 4 * ((ptrdiff_t)x + PREFETCH), 0, 2);
 }
 
 #endif

@@ -31,26 +31,29 @@ static bool *holes_of(const scene *s) {
 }
 
 /* The result against the oracle's, every channel, to `tolerance` of the range. Returns how many holes there were. */
-static int64_t check(ddof_context *ctx, const scene *s, const ddof_settings *settings, double aspect, double tolerance) {
+static int64_t check(ddof_context *ctx, const scene *s, const ddof_settings *settings, double aspect,
+                     double tolerance) {
     const size_t n = pixels_of(s);
     bool *hole = holes_of(s);
     double *values = fenced(n * sizeof *values, true), most = 0;
     int64_t holes = 0;
     ddof_frame frame = scene_frame(s);
     frame.pixel_aspect = aspect;
-    for (size_t p = 0; p < n; p++) holes += hole[p];
+    for (size_t p = 0; p < n; p++)
+        holes += hole[p];
     for (size_t v = 0; v < 4 * n; v++)
         if (isfinite(s->color[v])) most = fmax(most, fabs(s->color[v]));
     assert_int_equal(render(ctx, &frame, settings).nonfinite_pixels, holes);
     for (size_t c = 0; c < 4; c++) {
         const disc_school o = {s->width, s->height, settings->quality, aspect > 0 ? aspect : 1, s->coc, hole};
-        for (size_t p = 0; p < n; p++) values[p] = s->color[4 * p + c];
+        for (size_t p = 0; p < n; p++)
+            values[p] = s->color[4 * p + c];
         disc_school_blur(&o, values);
         for (size_t p = 0; p < n; p++)
             if (!(fabs(s->output[4 * p + c] - values[p]) <= tolerance * most))
-                fail_msg("%d x %d, quality %d, aspect %g, pixel %zu, %zu, channel %zu: %.9g, not %.9g", s->width, s->height,
-                         settings->quality, aspect, p % (size_t)s->width, p / (size_t)s->width, c, s->output[4 * p + c],
-                         values[p]);
+                fail_msg("%d x %d, quality %d, aspect %g, pixel %zu, %zu, channel %zu: %.9g, not %.9g", s->width,
+                         s->height, settings->quality, aspect, p % (size_t)s->width, p / (size_t)s->width, c,
+                         s->output[4 * p + c], values[p]);
     }
     fenced_free(values);
     fenced_free(hole);
@@ -59,7 +62,8 @@ static int64_t check(ddof_context *ctx, const scene *s, const ddof_settings *set
 
 /* Diagonals of every length, all patterns of CoC. */
 static void accuracy(void **state) {
-    static const int sizes[][2] = {{1, 1}, {1, 67}, {67, 1}, {2, 2}, {17, 3}, {3, 17}, {16, 16}, {65, 31}, {33, 65}, {64, 64}};
+    static const int sizes[][2] = {{1, 1},  {1, 67},  {67, 1},  {2, 2},   {17, 3},
+                                   {3, 17}, {16, 16}, {65, 31}, {33, 65}, {64, 64}};
     rng r = {70};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
     for (int i = 0; i < 90; i++) {
@@ -88,7 +92,8 @@ static void holes(void **state) {
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
     for (int i = 0; i < 72; i++) {
         const ddof_settings settings = settings_of(i);
-        scene s = scene_fill(rng_range(&r, 1, 60), rng_range(&r, 1, 50), (coc_pattern)(i / 3 % COC_PATTERNS), COLOR_SIGNED, &r);
+        scene s = scene_fill(rng_range(&r, 1, 60), rng_range(&r, 1, 50), (coc_pattern)(i / 3 % COC_PATTERNS),
+                             COLOR_SIGNED, &r);
         const double density = (double[]){0.002, 0.05, 0.5, 0.97, 1.1}[i / 3 % 5];
         const int dead = rng_range(&r, 0, s.height - 1), dead_rows = i % 4 * 3;
         for (size_t p = 0; p < pixels_of(&s); p++) {
@@ -107,18 +112,22 @@ static void invariants(void **state) {
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
     for (int i = 0; i < 60; i++) {
         const ddof_settings settings = settings_of(i);
-        scene s = scene_fill(rng_range(&r, 1, 400), rng_range(&r, 1, 200), (coc_pattern)(i % COC_PATTERNS), COLOR_RANDOM, &r);
+        scene s =
+            scene_fill(rng_range(&r, 1, 400), rng_range(&r, 1, 200), (coc_pattern)(i % COC_PATTERNS), COLOR_RANDOM, &r);
         double before = 0, after = 0;
         ddof_frame frame = scene_frame(&s);
-        for (size_t p = 0; p < pixels_of(&s); p++) s.color[4 * p] = 0.7f;
+        for (size_t p = 0; p < pixels_of(&s); p++)
+            s.color[4 * p] = 0.7f;
         render(ctx, &frame, &settings);
         for (size_t p = 0; p < pixels_of(&s); p++) {
             const float *in = s.color + 4 * p, *out = s.output + 4 * p;
             before += in[1], after += out[1];
             assert_true(fabsf(out[0] - 0.7f) < 3e-6f);
-            for (int c = 0; c < 4 && s.coc[p] == 0; c++) assert_true(fabsf(out[c] - in[c]) <= 5e-7f * in[c]);
+            for (int c = 0; c < 4 && s.coc[p] == 0; c++)
+                assert_true(fabsf(out[c] - in[c]) <= 5e-7f * in[c]);
         }
-        if (fabs(after - before) > 1e-5 * before) fail_msg("%d x %d: the sum %g became %g", s.width, s.height, before, after);
+        if (fabs(after - before) > 1e-5 * before)
+            fail_msg("%d x %d: the sum %g became %g", s.width, s.height, before, after);
         scene_free(&s);
     }
     DESTROY(ctx);
@@ -128,7 +137,8 @@ static void invariants(void **state) {
 
 /* With some holes in every third one, among them a whole row. */
 static scene scene_of(int i, rng *r) {
-    static const int sizes[][2] = {{1, 1}, {64, 64}, {97, 53}, {130, 33}, {300, 3}, {5, 300}, {192, 31}, {17, 16}, {65, 128}};
+    static const int sizes[][2] = {{1, 1},   {64, 64},  {97, 53}, {130, 33}, {300, 3},
+                                   {5, 300}, {192, 31}, {17, 16}, {65, 128}};
     const int *size = sizes[i % COUNT(sizes)];
     scene s = scene_fill(size[0], size[1], (coc_pattern)(i % COC_PATTERNS), COLOR_RANDOM, r);
     for (int k = 1; k < s.width * s.height && i % 3 == 2; k++)
@@ -161,7 +171,8 @@ static void same_as_plain(ddof_context *ctx, unsigned isa, int i, rng *r) {
 static void threads(void **state) {
     rng r = {73};
     ddof_context *ctx = context_of(test_parameters(state).isa, test_parameters(state).value);
-    for (int i = 0; i < 54; i++) same_as_plain(ctx, test_parameters(state).isa, i, &r);
+    for (int i = 0; i < 54; i++)
+        same_as_plain(ctx, test_parameters(state).isa, i, &r);
     DESTROY(ctx);
 }
 
@@ -173,14 +184,16 @@ static void parallel_for(void **state) {
                           .parallel_for = loops[test_parameters(state).value]};
     ddof_context *ctx = NULL;
     assert_int_equal(ddof_create(&ctx, &config), DDOF_OK);
-    for (int i = 0; i < 36; i++) same_as_plain(ctx, test_parameters(state).isa, i, &r);
+    for (int i = 0; i < 36; i++)
+        same_as_plain(ctx, test_parameters(state).isa, i, &r);
     DESTROY(ctx);
 }
 
 static void fused(void **state) {
     rng r = {75};
     ddof_context *ctx = context_of(test_parameters(state).isa, 3);
-    for (int i = 0; i < 108; i++) same_as_plain(ctx, DDOF_CPU_AVX2, i, &r);
+    for (int i = 0; i < 108; i++)
+        same_as_plain(ctx, DDOF_CPU_AVX2, i, &r);
     DESTROY(ctx);
 }
 
@@ -202,8 +215,8 @@ static void memory(void **state) {
                 ddof_frame frame = {.color = in.image, .coc = map.image, .output = output < 0 ? in.image : out.image};
                 render(ctx, &frame, &settings);
                 stored_get(output < 0 ? &in : &out, s.output, 4);
-                assert_same_bits(s.output, want, 4 * pixels_of(&s), "%d x %d, colour %d, output %d", s.width, s.height, color,
-                                 output);
+                assert_same_bits(s.output, want, 4 * pixels_of(&s), "%d x %d, colour %d, output %d", s.width, s.height,
+                                 color, output);
                 assert_gaps_intact(&in);
                 assert_gaps_intact(&out);
                 stored_free(&in);
@@ -216,7 +229,8 @@ static void memory(void **state) {
     DESTROY(ctx);
 }
 
-/* One to four channels of either type, alpha of either kind: the float RGBA result, cut, divided, rounded; in place too. */
+/* One to four channels of either type, alpha of either kind: the float RGBA result, cut, divided, rounded; in place
+ * too. */
 static void types(void **state) {
     rng r = {77};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
@@ -225,7 +239,8 @@ static void types(void **state) {
         const bool straight = channels % 2 == 0 && i / 4 % 2;
         const unsigned half = i / 8 % 2 ? 15 : rng_bits(&r) & 15;
         const ddof_settings settings = settings_of(i / 3);
-        scene s = scene_fill(rng_range(&r, 1, 90), rng_range(&r, 1, 60), (coc_pattern)(i % COC_PATTERNS), COLOR_RANDOM, &r);
+        scene s =
+            scene_fill(rng_range(&r, 1, 90), rng_range(&r, 1, 60), (coc_pattern)(i % COC_PATTERNS), COLOR_RANDOM, &r);
         stored in = stored_make((layout)arrangement, s.width, s.height, channels, half);
         stored out = stored_make((layout)rng_range(&r, 0, LAYOUT_REVERSED), s.width, s.height, channels, half);
         stored_put(&in, s.color, 4);
@@ -237,7 +252,8 @@ static void types(void **state) {
         if (straight) {
             frame.color.alpha = DDOF_ALPHA_STRAIGHT;
             for (size_t p = 0; p < pixels_of(&s); p++)
-                for (int c = 0; c < channels - 1; c++) s.color[4 * p + (size_t)c] *= s.color[4 * p + (size_t)channels - 1];
+                for (int c = 0; c < channels - 1; c++)
+                    s.color[4 * p + (size_t)c] *= s.color[4 * p + (size_t)channels - 1];
         }
         float *want = plain(test_parameters(state).isa, &s, &settings);
         for (size_t v = 0; v < 4 * pixels_of(&s); v++) {
@@ -274,7 +290,8 @@ static void depth(void **state) {
         scene s = scene_fill(rng_range(&r, 1, 90), rng_range(&r, 1, 60), COC_ZERO, COLOR_RANDOM, &r);
         float *got = fenced(4 * pixels_of(&s) * sizeof *got, true), *z = fenced(pixels_of(&s) * sizeof *z, true);
         settings.lens = (ddof_lens){.focal_length = 85, .f_number = 1.4, .focus_distance = 3};
-        for (size_t p = 0; p < pixels_of(&s); p++) z[p] = p % 97 == 96 ? NAN : (float)(0.5 + 20 * rng_unit(&r));
+        for (size_t p = 0; p < pixels_of(&s); p++)
+            z[p] = p % 97 == 96 ? NAN : (float)(0.5 + 20 * rng_unit(&r));
         ddof_frame frame = {.color = ddof_image_interleaved(s.color, s.width, s.height, 4, DDOF_FLOAT, 0),
                             .depth = ddof_image_interleaved(z, s.width, s.height, 1, DDOF_FLOAT, 0),
                             .output = ddof_image_interleaved(s.coc, s.width, s.height, 1, DDOF_FLOAT, 0)};
