@@ -37,6 +37,7 @@ layout(set = 0, binding = 2) uniform writeonly image2D target_map;
 #include "../include/coc.glsl"
 #include "../include/row.glsl"
 #include "../include/pack.glsl"
+#include "../include/pixels.glsl"
 #include "../include/picture.glsl"
 
 // Four half floats. nothing() is packed by hand: not every device has infinities in packHalf2x16() (SwiftShader has none).
