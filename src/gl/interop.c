@@ -215,6 +215,11 @@ static ddof_status prepare(ddof_gl *gl, frame_job *job, const ddof_frame *descri
     ddof_status status = check_geometry(gl->owner, described_frame);
     if (status == DDOF_OK) status = check_settings(gl->owner, described_frame, settings);
     if (status == DDOF_OK) status = gl_check_solver(gl->owner, settings);
+    if (status == DDOF_OK && settings->kernel == DDOF_KERNEL_DISC)
+        status = context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
+                              "settings.kernel: GL has no disc kernel: take DDOF_KERNEL_HEAT, or another backend");
+    if (status == DDOF_OK && settings->layers)
+        status = context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED, "settings.layers: not in this version yet");
     if (status == DDOF_OK) status = pipeline_prepare(gl->owner, job, described_frame, settings, true, &distance);
     return status;
 }
