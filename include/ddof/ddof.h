@@ -199,21 +199,23 @@ typedef enum ddof_quality {
  * (docs/gl.md), Vulkan 5 and 7 to 9 (docs/vulkan.md); a solver that the backend lacks is UNSUPPORTED. All of 2 to 5 stop at two
  * or three unknowns. */
 typedef enum ddof_solver {
-    DDOF_SOLVER_DEFAULT = 0,    /* GL: CR4_PACK; Vulkan: LINE */
+    DDOF_SOLVER_DEFAULT = 0,    /* GL: CR4_PACK; Vulkan: LINE, with DDOF_KERNEL_DISC nothing else */
     DDOF_SOLVER_CR_VANILLA = 1, /* cyclic reduction 2:1 to one unknown, the coefficients of every pixel stored */
     DDOF_SOLVER_CR = 2,         /* those of full resolution made on the fly */
     DDOF_SOLVER_CR_PACK = 3,    /* the same, a row and its colour in 128 bits: colour in half floats */
     DDOF_SOLVER_CR4 = 4,        /* the first step 4:1, the last 1:4, coefficients from quarter resolution down */
     DDOF_SOLVER_CR4_PACK = 5,   /* the same, packed */
     DDOF_SOLVER_CR_PCR = 6,     /* 2:1 to at most 64 unknowns, which parallel cyclic reduction solves */
-    DDOF_SOLVER_LINE = 7,       /* a workgroup holds a whole line: k:1 in registers, PCR in subgroups and shared memory, 1:k */
-    DDOF_SOLVER_PCR = 8,        /* parallel cyclic reduction from the pixels on, through memory */
-    DDOF_SOLVER_PCR3_SWEEP = 9  /* three steps of it, then a serial sweep along each of the 8 systems */
+    DDOF_SOLVER_LINE =
+        7,               /* a workgroup holds a whole line: k:1 in registers, PCR in subgroups and shared memory, 1:k */
+    DDOF_SOLVER_PCR = 8, /* parallel cyclic reduction from the pixels on, through memory */
+    DDOF_SOLVER_PCR3_SWEEP = 9 /* three steps of it, then a serial sweep along each of the 8 systems */
 } ddof_solver;
 
 typedef enum ddof_surface {
     DDOF_SURFACE_DEFAULT = 0, /* RGBA16F */
-    DDOF_SURFACE_RGBA16F = 1, /* colour under way in half floats: error up to 2e-3 of the range for each substep */
+    DDOF_SURFACE_RGBA16F = 1, /* colour under way in half floats: error up to 2e-3 of the range for each substep, 5e-3
+                                 with DDOF_KERNEL_DISC */
     DDOF_SURFACE_RGBA32F = 2  /* in floats: 1e-4 (2e-3 where the solver packs), twice the memory for colour */
 } ddof_surface;
 

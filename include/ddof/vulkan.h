@@ -147,7 +147,7 @@ typedef struct ddof_vulkan_view {
 
 typedef struct ddof_vulkan_stats {
     size_t scratch_bytes; /* of the frame object: all memory beyond the caller's images */
-    int dispatches;       /* recorded; `line` with one substep: 2 */
+    int dispatches;       /* recorded; `line` with one substep: 2; DDOF_KERNEL_DISC: 2, 8, 16 */
     ddof_solver solver;   /* that did it: never DEFAULT, and PCR3_SWEEP where a line is too long for LINE */
     int pixels_per_thread, workgroup, strip, subgroup; /* of LINE along rows, else 0: k, threads, lines side by side,
                                                           size of the subgroups (1: not used) */
@@ -178,10 +178,12 @@ DDOF_API int ddof_vulkan_can_sample(const ddof_vulkan *vk, VkFormat format);
 DDOF_API ddof_status ddof_vulkan_scratch(ddof_vulkan *vk, const ddof_vulkan_images *images,
                                          const ddof_settings *settings, VkMemoryRequirements *requirements);
 
-/* Makes what recording needs: image views, descriptor sets, scratch, and pipelines, compiled here the first time they are
- * needed, which is slow. It stays valid while the images live, and serves every view, lens, number of substeps and
- * conductance. Of the settings solver, surface and depth.kind are fixed here; the lens is not looked at yet.
+/* Makes what recording needs: image views, descriptor sets, scratch, and pipelines, compiled here the first time they
+ * are needed, which is slow. It stays valid while the images live, and serves every view, lens, number of substeps and
+ * conductance. Of the settings kernel, quality, solver, surface and depth.kind are fixed here; the lens is not looked
+ * at yet.
  *
+ *   kernel   HEAT, or DISC, which LINE solves and no other solver (UNSUPPORTED); it wants more scratch (docs/vulkan.md)
  *   solver   DEFAULT or LINE, PCR, PCR3_SWEEP, CR4_PACK
  *   surface  RGBA16F: the intermediate lies in the output where that is floating-point, else in scratch as half floats;
  *            RGBA32F: in scratch as floats, unless the output is R32G32B32A32_SFLOAT
@@ -198,7 +200,7 @@ DDOF_API void ddof_vulkan_frame_destroy(ddof_vulkan_frame **frame);
  * error the command buffer is as it was. What changes lies in push constants: pending work is not touched. view may be
  * NULL; stats may be NULL and is zeroed when the call fails. lens.focus must be DDOF_FOCUS_DISTANCE. Holes are filled
  * as by ddof_render() but not counted. May be recorded any number of times, also into several command buffers. Errors:
- * INVALID (an argument; solver, surface or depth.kind differ from those at creation). */
+ * INVALID (an argument; kernel, quality, solver, surface or depth.kind differ from those at creation), UNSUPPORTED. */
 DDOF_API ddof_status ddof_vulkan_record(ddof_vulkan_frame *frame, VkCommandBuffer commands,
                                         const ddof_vulkan_view *view, const ddof_settings *settings,
                                         ddof_vulkan_stats *stats);

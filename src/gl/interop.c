@@ -202,7 +202,7 @@ static ddof_status check(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_set
     if (frame->depth.name && settings->lens.focus != DDOF_FOCUS_DISTANCE)
         return context_fail(gl->owner, DDOF_ERROR_INVALID,
                             "lens.focus must be DDOF_FOCUS_DISTANCE: reading a pixel back would make the GPU wait");
-    if (settings->kernel || settings->layers)
+    if (settings->kernel == DDOF_KERNEL_DISC || settings->layers == DDOF_LAYERS_AUTO)
         return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
                             "settings.%s: this call diffuses one layer with the heat kernel; ddof_render() has more",
                             settings->kernel ? "kernel" : "layers");

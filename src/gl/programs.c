@@ -78,12 +78,13 @@ static GLuint build(ddof_gl *gl, const gl_variant *v, ddof_status *status) {
                                    shader_text("include/coc.glsl"),
                                    shader_text("include/row.glsl"),
                                    shader_text("include/pack.glsl"),
+                                   shader_text("include/pixels.glsl"),
                                    shader_text("include/picture.glsl"),
                                    shader_text("gl/surfaces.glsl"),
                                    shader_text(name)};
     GLuint program = 0, fragment = 0,
            vertex = compile(gl, GL_VERTEX_SHADER, vertex_part, 2, "gl/triangle.glsl", status);
-    if (vertex) fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_part, 8, name, status);
+    if (vertex) fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_part, 9, name, status);
     if (fragment) program = link_program(gl, vertex, fragment, name, status);
     if (vertex) gl->f.DeleteShader(vertex);
     if (fragment) gl->f.DeleteShader(fragment);

@@ -112,10 +112,11 @@ static ddof_status make_frame(vulkan_backend *b, const frame_job *job) {
                              .alpha = job->frame->color.channels == 4,
                              .depth = s.depth.kind,
                              .solver = s.solver,
-                             .surface = s.surface};
+                             .surface = s.surface,
+                             .disc = job->disc};
     const frame_kind *k = &b->kind;
     if (b->frame && k->is_depth == kind.is_depth && k->alpha == kind.alpha && k->depth == kind.depth &&
-        k->solver == kind.solver && k->surface == kind.surface)
+        k->solver == kind.solver && k->surface == kind.surface && k->disc == kind.disc)
         return DDOF_OK;
     ddof_vulkan_frame_destroy(&b->frame);
     const uint32_t width = (uint32_t)p->width, height = (uint32_t)p->height;
@@ -191,7 +192,8 @@ static ddof_status diffuse_now(vulkan_backend *b, frame_job *job, staging *st) {
     ddof_status status = vulkan_pictures_make(b, color->width, color->height, half);
     if (status == DDOF_OK) status = make_frame(b, job);
     if (status != DDOF_OK) return status;
-    if (half || job->settings->solver == DDOF_SOLVER_CR4_PACK) staging_find_gain(b->owner, job, st);
+    /* the disc kernel's sources: a hole between sharp pixels is one of 1e-14 of its neighbours' colours */
+    if (half || job->disc || job->settings->solver == DDOF_SOLVER_CR4_PACK) staging_find_gain(b->owner, job, st);
     status = vulkan_pictures_upload(b, job, st);
     if (status == DDOF_OK) status = blur(b, job);
     if (status == DDOF_OK && b->owner->cancelled) status = DDOF_ERROR_CANCELLED;
@@ -334,6 +336,7 @@ static const char *vulkan_device(const ddof_context *ctx) {
 
 const backend backend_vulkan = {
     .id = DDOF_BACKEND_VULKAN,
+    .disc = true,
     .scratch_bytes = staging_bytes,
     .coc = staging_coc,
     .diffuse = vulkan_diffuse,

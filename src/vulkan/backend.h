@@ -72,6 +72,7 @@ typedef struct frame_kind {
     ddof_depth_kind depth;
     ddof_solver solver;
     ddof_surface surface;
+    const disc_kernel *disc;
 } frame_kind;
 
 typedef struct vulkan_backend {

@@ -140,14 +140,24 @@ static const char *missing(ddof_vulkan *vk, const enabled *e) {
 
 /* ---- objects */
 
+const VkDescriptorType vulkan_binding_types[VULKAN_BINDINGS] = {
+    [BIND_COLOR] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+    [BIND_MAP] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+    [BIND_TARGET] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+    [BIND_LEVELS_IN] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+    [BIND_LEVELS_OUT] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+    [BIND_IMAGINARY] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+    [BIND_TARGET_IMAGINARY] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+    [BIND_SUM] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+};
+
 static VkResult make_layouts(ddof_vulkan *vk) {
-    static const VkDescriptorType type[VULKAN_BINDINGS] = {
-        VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-        VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
     VkDescriptorSetLayoutBinding binding[VULKAN_BINDINGS];
     for (uint32_t i = 0; i < VULKAN_BINDINGS; i++)
-        binding[i] = (VkDescriptorSetLayoutBinding){
-            .binding = i, .descriptorType = type[i], .descriptorCount = 1, .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+        binding[i] = (VkDescriptorSetLayoutBinding){.binding = i,
+                                                    .descriptorType = vulkan_binding_types[i],
+                                                    .descriptorCount = 1,
+                                                    .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
     const VkDescriptorSetLayoutCreateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                                  .bindingCount = VULKAN_BINDINGS,
                                                  .pBindings = binding};

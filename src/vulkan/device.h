@@ -29,8 +29,19 @@ struct ddof_vulkan {
     vulkan_pipelines pipelines;
 };
 
-/* Bindings of pass.glsl and levels.glsl. */
-enum { BIND_COLOR, BIND_MAP, BIND_TARGET, BIND_LEVELS_IN, BIND_LEVELS_OUT, VULKAN_BINDINGS };
+/* Bindings of pass.glsl, levels.comp and disc_line.comp. */
+enum {
+    BIND_COLOR,
+    BIND_MAP,
+    BIND_TARGET,
+    BIND_LEVELS_IN,
+    BIND_LEVELS_OUT,
+    BIND_IMAGINARY,
+    BIND_TARGET_IMAGINARY,
+    BIND_SUM,
+    VULKAN_BINDINGS
+};
+extern const VkDescriptorType vulkan_binding_types[VULKAN_BINDINGS];
 
 /* DDOF_OK, or the error that `result` means, set in the context; what was being done goes after "while". */
 ddof_status vulkan_result(ddof_context *ctx, const char *device, VkResult result, const char *doing);

@@ -11,6 +11,10 @@ bool vulkan_format_is_depth(VkFormat format) {
     return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
 }
 
+vulkan_picture vulkan_place(const ddof_vulkan_frame *f, vulkan_picture picture) {
+    return picture == f->output_also ? PICTURE_OUTPUT : picture;
+}
+
 /* ---- views */
 
 /* A view restricted to one usage: the format may allow no other. */
@@ -33,18 +37,17 @@ static ddof_status view_of_caller(ddof_vulkan *vk, const ddof_vulkan_image *i, V
     return view(vk, i->image, i->format, i->mip_level, i->array_layer, usage, made, what);
 }
 
-static ddof_status view_scratch(ddof_vulkan_frame *f, int image, vulkan_picture picture) {
+static ddof_status view_scratch(ddof_vulkan_frame *f, vulkan_picture picture) {
     ddof_vulkan *vk = f->vk;
-    ddof_status status = view(vk, f->scratch.image[image], f->work_format, 0, 0, VK_IMAGE_USAGE_SAMPLED_BIT,
+    ddof_status status = view(vk, f->scratch.image[picture], f->work_format, 0, 0, VK_IMAGE_USAGE_SAMPLED_BIT,
                               &f->sampled[picture], "viewing a scratch image");
     if (status != DDOF_OK) return status;
-    return view(vk, f->scratch.image[image], f->work_format, 0, 0, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[picture],
+    return view(vk, f->scratch.image[picture], f->work_format, 0, 0, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[picture],
                 "viewing a scratch image");
 }
 
 static ddof_status make_views(ddof_vulkan_frame *f) {
     const ddof_vulkan_images *i = &f->images;
-    const vulkan_picture result = f->work_is_output ? PICTURE_WORK : PICTURE_OUTPUT;
     ddof_vulkan *vk = f->vk;
     ddof_status status =
         view_of_caller(vk, &i->color, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[PICTURE_COLOR], "viewing images.color");
@@ -52,61 +55,79 @@ static ddof_status make_views(ddof_vulkan_frame *f) {
         status = view_of_caller(vk, f->is_depth ? &i->depth : &i->coc, VK_IMAGE_USAGE_SAMPLED_BIT, &f->map,
                                 f->is_depth ? "viewing images.depth" : "viewing images.coc");
     if (status == DDOF_OK)
-        status =
-            view_of_caller(vk, &i->output, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[result], "viewing images.output");
-    if (status == DDOF_OK && f->work_is_output)
-        status =
-            view_of_caller(vk, &i->output, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[result], "viewing images.output");
-    if (status == DDOF_OK && f->scratch.image[0]) status = view_scratch(f, 0, PICTURE_ROWS);
-    if (status == DDOF_OK && f->scratch.image[1]) status = view_scratch(f, 1, PICTURE_WORK);
+        status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[PICTURE_OUTPUT],
+                                "viewing images.output");
+    if (status == DDOF_OK && f->output_also != PICTURE_OUTPUT)
+        status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[PICTURE_OUTPUT],
+                                "viewing images.output");
+    for (int p = 0; p < VULKAN_PICTURES && status == DDOF_OK; p++)
+        if (f->scratch.image[p]) status = view_scratch(f, (vulkan_picture)p);
     return status;
 }
 
 /* ---- descriptor sets */
 
 static void list_sets(ddof_vulkan_frame *f) {
-    const vulkan_picture result = f->work_is_output ? PICTURE_WORK : PICTURE_OUTPUT;
-    if (f->scratch.image[0]) {
-        f->set[f->sets++] = (vulkan_set){PICTURE_COLOR, PICTURE_ROWS, VK_NULL_HANDLE};
-        f->set[f->sets++] = (vulkan_set){PICTURE_WORK, PICTURE_ROWS, VK_NULL_HANDLE};
-        f->set[f->sets++] = (vulkan_set){PICTURE_ROWS, PICTURE_WORK, VK_NULL_HANDLE};
-        if (result != PICTURE_WORK) f->set[f->sets++] = (vulkan_set){PICTURE_ROWS, result, VK_NULL_HANDLE};
-    } else {
-        f->set[f->sets++] = (vulkan_set){PICTURE_COLOR, PICTURE_WORK, VK_NULL_HANDLE};
-        f->set[f->sets++] = (vulkan_set){PICTURE_WORK, PICTURE_WORK, VK_NULL_HANDLE};
-        if (result != PICTURE_WORK) f->set[f->sets++] = (vulkan_set){PICTURE_WORK, result, VK_NULL_HANDLE};
+    static const vulkan_set heat[] = {{PICTURE_COLOR, PICTURE_WORK, VK_NULL_HANDLE},
+                                      {PICTURE_WORK, PICTURE_WORK, VK_NULL_HANDLE},
+                                      {PICTURE_WORK, PICTURE_OUTPUT, VK_NULL_HANDLE}},
+                            heat_by_rows[] = {{PICTURE_COLOR, PICTURE_ROWS, VK_NULL_HANDLE},
+                                              {PICTURE_WORK, PICTURE_ROWS, VK_NULL_HANDLE},
+                                              {PICTURE_ROWS, PICTURE_WORK, VK_NULL_HANDLE},
+                                              {PICTURE_ROWS, PICTURE_OUTPUT, VK_NULL_HANDLE}},
+                            sum = {PICTURE_WORK, PICTURE_SUM, VK_NULL_HANDLE};
+    const bool by_rows = f->scratch.image[PICTURE_ROWS];
+    f->sets = by_rows ? 4 : 3;
+    memcpy(f->set, by_rows ? heat_by_rows : heat, sizeof *f->set * (size_t)f->sets);
+    if (f->disc && f->disc->components > 1) f->set[f->sets++] = sum;
+}
+
+/* What a descriptor set has at a binding; false: nothing. */
+static bool binding_of(const ddof_vulkan_frame *f, const vulkan_set *set, uint32_t binding,
+                       VkDescriptorImageInfo *image) {
+    const VkImageLayout map = f->is_depth ? f->images.depth.layout : f->images.coc.layout,
+                        from = set->from == PICTURE_COLOR ? f->images.color.layout : VK_IMAGE_LAYOUT_GENERAL;
+    VkImageView view = VK_NULL_HANDLE;
+    if (binding == BIND_COLOR) view = f->sampled[vulkan_place(f, set->from)];
+    if (binding == BIND_MAP) view = f->map;
+    if (binding == BIND_TARGET) view = f->stored[vulkan_place(f, set->to)];
+    if (binding == BIND_IMAGINARY) view = f->sampled[PICTURE_IMAGINARY];
+    if (binding == BIND_TARGET_IMAGINARY) view = f->stored[PICTURE_IMAGINARY];
+    if (binding == BIND_SUM && f->disc) { /* of one component nothing is added up, but the shader could */
+        view = f->sampled[vulkan_place(f, PICTURE_SUM)];
+        if (!view) view = f->sampled[PICTURE_IMAGINARY];
     }
+    *image = (VkDescriptorImageInfo){.imageView = view,
+                                     .imageLayout = binding == BIND_COLOR ? from
+                                                    : binding == BIND_MAP ? map
+                                                                          : VK_IMAGE_LAYOUT_GENERAL};
+    return view != VK_NULL_HANDLE;
 }
 
 static void write_set(ddof_vulkan_frame *f, const vulkan_set *set) {
-    const ddof_vulkan_image *map = f->is_depth ? &f->images.depth : &f->images.coc;
-    const VkDescriptorImageInfo image[3] = {
-        {.imageView = f->sampled[set->from],
-         .imageLayout = set->from == PICTURE_COLOR ? f->images.color.layout : VK_IMAGE_LAYOUT_GENERAL},
-        {.imageView = f->map, .imageLayout = map->layout},
-        {.imageView = f->stored[set->to], .imageLayout = VK_IMAGE_LAYOUT_GENERAL}};
     const VkDescriptorBufferInfo levels = {f->scratch.levels, 0, VK_WHOLE_SIZE};
+    VkDescriptorImageInfo image[VULKAN_BINDINGS];
     VkWriteDescriptorSet write[VULKAN_BINDINGS];
+    uint32_t count = 0;
     for (uint32_t i = 0; i < VULKAN_BINDINGS; i++) {
-        write[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                          .dstSet = set->handle,
-                                          .dstBinding = i,
-                                          .descriptorCount = 1,
-                                          .descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
-        if (i == BIND_TARGET) write[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-        if (i <= BIND_TARGET) write[i].pImageInfo = &image[i];
-        if (i > BIND_TARGET) write[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        if (i > BIND_TARGET) write[i].pBufferInfo = &levels;
+        const bool is_buffer = vulkan_binding_types[i] == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        if (is_buffer ? !f->scratch.levels : !binding_of(f, set, i, &image[i])) continue;
+        write[count++] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                                .dstSet = set->handle,
+                                                .dstBinding = i,
+                                                .descriptorCount = 1,
+                                                .descriptorType = vulkan_binding_types[i],
+                                                .pImageInfo = is_buffer ? NULL : &image[i],
+                                                .pBufferInfo = is_buffer ? &levels : NULL};
     }
-    f->vk->f.UpdateDescriptorSets(f->vk->config.device, f->scratch.levels ? VULKAN_BINDINGS : BIND_LEVELS_IN, write, 0,
-                                  NULL);
+    f->vk->f.UpdateDescriptorSets(f->vk->config.device, count, write, 0, NULL);
 }
 
 static ddof_status make_sets(ddof_vulkan_frame *f) {
     ddof_vulkan *vk = f->vk;
     const uint32_t n = VULKAN_SETS;
-    const VkDescriptorPoolSize size[3] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 2 * n},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, n},
+    const VkDescriptorPoolSize size[3] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 4 * n},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 2 * n},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * n}};
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = n, .poolSizeCount = 3, .pPoolSizes = size};

@@ -7,17 +7,21 @@
 
 #include "device.h"
 
-/* The pictures that passes read and write. WORK is what is under way after a direction; where the output can hold it,
- * it is the output. ROWS: what a solver that reads neighbours' pixels has made of the rows. */
+/* The pictures that passes read and write. WORK is what is under way after a direction; of the heat kernel, where the
+ * output can hold it, it is the output. ROWS: what a solver that reads neighbours' pixels has made of the rows. The
+ * disc kernel has a component under way in WORK and IMAGINARY, and those done in SUM; where the output can hold that,
+ * it is the output. */
 typedef enum vulkan_picture {
     PICTURE_COLOR,
     PICTURE_ROWS,
     PICTURE_WORK,
+    PICTURE_IMAGINARY,
+    PICTURE_SUM,
     PICTURE_OUTPUT,
     VULKAN_PICTURES
 } vulkan_picture;
 
-/* From one picture to another. */
+/* From one picture to another; WORK has IMAGINARY with it. */
 typedef struct vulkan_set {
     vulkan_picture from, to;
     VkDescriptorSet handle;
@@ -26,9 +30,9 @@ typedef struct vulkan_set {
 enum { VULKAN_SETS = 4, VULKAN_FRAME_PIPELINES = 32 };
 
 typedef struct vulkan_scratch {
-    VkImage image[2]; /* of ROWS, WORK; null: not needed */
+    VkImage image[VULKAN_PICTURES]; /* null: not in scratch */
     VkBuffer levels;
-    VkDeviceSize image_offset[2], levels_offset, levels_bytes;
+    VkDeviceSize image_offset[VULKAN_PICTURES], levels_offset, levels_bytes;
     VkMemoryRequirements total; /* size 0: none is needed */
     VkDeviceMemory memory;      /* the library's own, or null */
 } vulkan_scratch;
@@ -42,8 +46,9 @@ struct ddof_vulkan_frame {
     ddof_surface surface;
     ddof_depth_kind depth_kind;
     bool is_depth, in_place, alpha;
-    bool work_is_output;
-    VkFormat work_format; /* of ROWS and WORK */
+    const disc_kernel *disc;    /* NULL: the heat kernel */
+    vulkan_picture output_also; /* WORK or SUM, where it lies in the output; else OUTPUT */
+    VkFormat work_format;       /* of the pictures in scratch, and of WORK */
     int map_shift;
     line_plan line[2]; /* along rows, along columns */
     vulkan_scratch scratch;
@@ -58,6 +63,9 @@ struct ddof_vulkan_frame {
 /* frame.c. What the images say has been checked. On failure nothing is left, and vk's error is set. */
 ddof_status vulkan_frame_make(ddof_vulkan_frame *frame);
 void vulkan_frame_delete(ddof_vulkan_frame *frame);
+
+/* Where a picture lies: OUTPUT or itself. */
+vulkan_picture vulkan_place(const ddof_vulkan_frame *frame, vulkan_picture picture);
 
 /* scratch.c: the objects of a frame, not bound, and what memory they need. On failure: vulkan_scratch_delete(). */
 ddof_status vulkan_scratch_make(ddof_vulkan *vk, ddof_vulkan_frame *frame);

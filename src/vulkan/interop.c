@@ -188,7 +188,8 @@ static ddof_status check_output(ddof_vulkan *vk, ddof_vulkan_frame *f, bool made
     ddof_vulkan_images *i = &f->images;
     ddof_vulkan_image *out = &i->output;
     const VkImageUsageFlags usage =
-        VK_IMAGE_USAGE_STORAGE_BIT | (f->work_is_output ? (VkImageUsageFlags)VK_IMAGE_USAGE_SAMPLED_BIT : 0);
+        VK_IMAGE_USAGE_STORAGE_BIT |
+        (f->output_also != PICTURE_OUTPUT ? (VkImageUsageFlags)VK_IMAGE_USAGE_SAMPLED_BIT : 0);
     ddof_status status =
         check_image(vk, out, "output", output_formats, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, usage, made);
     if (status != DDOF_OK) return status;
@@ -196,7 +197,6 @@ static ddof_status check_output(ddof_vulkan *vk, ddof_vulkan_frame *f, bool made
         return context_fail(&vk->shell, DDOF_ERROR_INVALID,
                             "images.output is %u x %u but images.color is %u x %u texels", out->width, out->height,
                             i->color.width, i->color.height);
-    f->in_place = same_subresource(out, &i->color);
     if (f->in_place && out->format != i->color.format)
         return context_fail(&vk->shell, DDOF_ERROR_INVALID,
                             "images.output is images.color, but their formats differ (%d, %d)", out->format,
@@ -217,13 +217,23 @@ static ddof_status choose_solver(ddof_vulkan *vk, ddof_vulkan_frame *f, const dd
         f->solver != DDOF_SOLVER_CR4_PACK)
         return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
                             "settings.solver is one of the GL backend: Vulkan has LINE, PCR, PCR3_SWEEP and CR4_PACK");
+    if (f->disc && f->solver != DDOF_SOLVER_LINE)
+        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
+                            "settings.solver: only LINE solves with DDOF_KERNEL_DISC; leave it DEFAULT");
     const int length[2] = {(int)f->images.color.width, (int)f->images.color.height};
     for (int i = 0; i < 2; i++) {
         const bool whole = f->solver == DDOF_SOLVER_LINE;
-        if (line_plan_make(&f->line[i], &vk->line, whole ? length[i] : VULKAN_SHORT, i ? VULKAN_STRIP : 1)) continue;
+        if (line_plan_make(&f->line[i], &vk->line, f->disc != NULL, whole ? length[i] : VULKAN_SHORT,
+                           i ? VULKAN_STRIP : 1))
+            continue;
         if (!whole)
             return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "this device (%s) has too small workgroups",
                                 vk->name);
+        if (f->disc)
+            return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
+                                "lines of %d pixels are too long for DDOF_KERNEL_DISC on this device (%s): take "
+                                "DDOF_KERNEL_HEAT or a smaller picture",
+                                length[i], vk->name);
         context_log(&vk->shell, DDOF_LOG_WARNING,
                     "lines of %d pixels are too long for the solver LINE on this device (%s): PCR3_SWEEP does the work",
                     length[i], vk->name);
@@ -233,11 +243,25 @@ static ddof_status choose_solver(ddof_vulkan *vk, ddof_vulkan_frame *f, const dd
     return DDOF_OK;
 }
 
+/* Where the pictures lie that passes hand on. A sum does not lie in the output where that is the colour: the next
+ * component starts from it. */
 static void choose_work(ddof_vulkan_frame *f) {
     const VkFormat out = f->images.output.format;
-    const bool exact = f->surface == DDOF_SURFACE_RGBA32F;
-    f->work_is_output = out == VK_FORMAT_R32G32B32A32_SFLOAT || (out == VK_FORMAT_R16G16B16A16_SFLOAT && !exact);
-    f->work_format = f->work_is_output ? out : exact ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+    const bool exact = f->surface == DDOF_SURFACE_RGBA32F,
+               holds = out == VK_FORMAT_R32G32B32A32_SFLOAT || (out == VK_FORMAT_R16G16B16A16_SFLOAT && !exact);
+    f->in_place = same_subresource(&f->images.output, &f->images.color);
+    f->output_also = PICTURE_OUTPUT;
+    f->work_format = exact ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+    if (holds && !f->disc) {
+        f->output_also = PICTURE_WORK;
+        f->work_format = out;
+    } else if (holds && f->disc->components > 1 && !f->in_place) {
+        f->output_also = PICTURE_SUM;
+    }
+}
+
+static const disc_kernel *disc_of(const ddof_settings *s) {
+    return s->kernel == DDOF_KERNEL_DISC ? disc_kernel_pick(s->quality) : NULL;
 }
 
 /* The same frame as ddof_render() would have it, without memory. */
@@ -266,10 +290,9 @@ static ddof_status check_kinds(ddof_vulkan *vk, const ddof_vulkan_frame *f, cons
     same.depth.channels = 0;
     if (f->is_depth && (s->depth.kind < DDOF_DEPTH_PLANAR || s->depth.kind > DDOF_DEPTH_DEVICE))
         return context_fail(&vk->shell, DDOF_ERROR_INVALID, "settings: depth.kind is none of ddof_depth_kind");
-    if (s->layers)
-        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
-    return check_settings(&vk->shell, &same, s);
+    const ddof_status status = check_settings(&vk->shell, &same, s);
+    if (status != DDOF_OK || !s->layers) return status;
+    return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
 }
 
 static ddof_status describe(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_vulkan_images *images,
@@ -289,6 +312,7 @@ static ddof_status describe(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_vu
     f->is_depth = images->depth.format != 0;
     f->depth_kind = settings->depth.kind;
     f->surface = settings->surface == DDOF_SURFACE_DEFAULT ? DDOF_SURFACE_RGBA16F : settings->surface;
+    f->disc = disc_of(settings);
     const VkFormatFeatureFlags sampled = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
     ddof_status status = check_kinds(vk, f, settings);
     if (status == DDOF_OK)
@@ -373,10 +397,15 @@ static ddof_status check_region(ddof_vulkan_frame *f, const ddof_vulkan_view *v,
 static ddof_status check_same(ddof_vulkan_frame *f, const ddof_settings *s) {
     const ddof_solver solver = s->solver == DDOF_SOLVER_DEFAULT ? DDOF_SOLVER_LINE : s->solver;
     const ddof_surface surface = s->surface == DDOF_SURFACE_DEFAULT ? DDOF_SURFACE_RGBA16F : s->surface;
-    if (solver != f->asked || surface != f->surface || (f->is_depth && s->depth.kind != f->depth_kind))
+    const disc_kernel *disc = disc_of(s);
+    if (s->layers) return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: not in this version yet");
+    if (solver != f->asked || surface != f->surface || disc != f->disc ||
+        (f->is_depth && s->depth.kind != f->depth_kind))
         return context_fail(&f->shell, DDOF_ERROR_INVALID,
                             "settings.%s is not what the frame object was made with: make another for it",
-                            solver != f->asked      ? "solver"
+                            !disc != !f->disc       ? "kernel"
+                            : disc != f->disc       ? "quality"
+                            : solver != f->asked    ? "solver"
                             : surface != f->surface ? "surface"
                                                     : "depth.kind");
     if (f->is_depth && s->lens.focus != DDOF_FOCUS_DISTANCE)

@@ -22,7 +22,8 @@ typedef struct line_plan {
     int subgroup;  /* 1: not used */
 } line_plan;
 
-/* For lines of up to `length` pixels, `strip` side by side where that can be. False: they are too long. */
-bool line_plan_make(line_plan *plan, const line_limits *limits, int length, int strip);
+/* For lines of up to `length` pixels, `strip` side by side where that can be. False: they are too long. Complex numbers
+ * take twice the room. */
+bool line_plan_make(line_plan *plan, const line_limits *limits, bool is_complex, int length, int strip);
 
 #endif

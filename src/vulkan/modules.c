@@ -11,6 +11,12 @@ static const uint32_t line_0[] = {
 static const uint32_t line_1[] = {
 #include "line_1.inc"
 };
+static const uint32_t disc_line_0[] = {
+#include "disc_line_0.inc"
+};
+static const uint32_t disc_line_1[] = {
+#include "disc_line_1.inc"
+};
 static const uint32_t pcr_first[] = {
 #include "pcr_first.inc"
 };
@@ -45,6 +51,8 @@ static const uint32_t final_solve4[] = {
 const vulkan_code vulkan_codes[VULKAN_MODULES] = {
     [MODULE_LINE] = CODE(line_0),
     [MODULE_LINE_SUBGROUPS] = CODE(line_1),
+    [MODULE_DISC_LINE] = CODE(disc_line_0),
+    [MODULE_DISC_LINE_SUBGROUPS] = CODE(disc_line_1),
     [MODULE_PCR_FIRST] = CODE(pcr_first),
     [MODULE_PCR] = CODE(pcr),
     [MODULE_PCR_LAST] = CODE(pcr_last),

@@ -19,7 +19,8 @@ typedef struct direction {
     ddof_vulkan_frame *prepare; /* not NULL: nothing is recorded, pipelines are made */
     VkCommandBuffer commands;
     vulkan_push push;
-    bool vertical, last;
+    int vertical; /* as in vulkan_constants */
+    bool last, add;
     vulkan_picture from, to;
     int length, lines; /* pixels of a line */
     int *dispatches;
@@ -28,11 +29,15 @@ typedef struct direction {
 
 /* ---- one pass */
 
+static const line_plan *plan_of(const direction *d) {
+    return &d->frame->line[d->vertical != 0];
+}
+
 static vulkan_constants constants_of(const direction *d, vulkan_module module) {
     const ddof_vulkan_frame *f = d->frame;
-    const line_plan *line = &f->line[d->vertical];
-    const VkFormat target = d->to == PICTURE_OUTPUT ? f->images.output.format : f->work_format;
-    const bool is_line = module == MODULE_LINE || module == MODULE_LINE_SUBGROUPS;
+    const line_plan *line = plan_of(d);
+    const VkFormat target = vulkan_place(f, d->to) == PICTURE_OUTPUT ? f->images.output.format : f->work_format;
+    const bool is_line = module <= MODULE_DISC_LINE_SUBGROUPS;
     vulkan_constants c;
     memset(&c, 0, sizeof c);
     c.workgroup = is_line ? line->workgroup : THREADS;
@@ -46,6 +51,10 @@ static vulkan_constants constants_of(const direction *d, vulkan_module module) {
         c.k = line->k;
         c.strip = line->strip;
         c.subgroup = line->subgroup;
+    }
+    if (f->disc) {
+        c.from_real = d->from == PICTURE_COLOR;
+        c.add = d->add;
     }
     return c;
 }
@@ -127,11 +136,13 @@ static void level_pass(direction *d, vulkan_module module, int count) {
 /* ---- the solvers */
 
 static void line(direction *d) {
-    const line_plan *plan = &d->frame->line[d->vertical];
+    static const vulkan_module module[2][2] = {{MODULE_LINE, MODULE_LINE_SUBGROUPS},
+                                               {MODULE_DISC_LINE, MODULE_DISC_LINE_SUBGROUPS}};
+    const line_plan *plan = plan_of(d);
     d->push.unknowns = d->length;
     d->push.lines = d->lines;
     d->push.first_line = 0;
-    pass(d, plan->subgroup > 1 ? MODULE_LINE_SUBGROUPS : MODULE_LINE, groups(d->lines, plan->strip), 1);
+    pass(d, module[d->frame->disc != NULL][plan->subgroup > 1], groups(d->lines, plan->strip), 1);
 }
 
 /* PCR of the first `steps` steps, from the picture to one of two tables. Returns where it ends. */
@@ -282,12 +293,12 @@ static vulkan_push push_of(const ddof_vulkan_frame *f, const frame_job *job, con
 
 static void substeps(direction *d, const frame_job *job, const vulkan_region *region) {
     const ddof_vulkan_frame *f = d->frame;
-    const vulkan_picture result = f->work_is_output ? PICTURE_WORK : PICTURE_OUTPUT;
-    const vulkan_picture between = f->scratch.image[0] ? PICTURE_ROWS : PICTURE_WORK;
+    const vulkan_picture between = f->scratch.image[PICTURE_ROWS] ? PICTURE_ROWS : PICTURE_WORK;
     for (int i = 0; i < job->substeps; i++) {
         d->push.first_pass = i == 0;
         d->push.scale = (float)job->row_scale;
-        d->vertical = d->last = false;
+        d->vertical = false;
+        d->last = false;
         d->from = i == 0 ? PICTURE_COLOR : PICTURE_WORK;
         d->to = between;
         d->length = region->width;
@@ -298,28 +309,68 @@ static void substeps(direction *d, const frame_job *job, const vulkan_region *re
         d->vertical = true;
         d->last = i == job->substeps - 1;
         d->from = between;
-        d->to = d->last ? result : PICTURE_WORK;
+        d->to = d->last ? PICTURE_OUTPUT : PICTURE_WORK;
         d->length = region->height;
         d->lines = region->width;
         solve(d);
     }
 }
 
+static vulkan_disc_push disc_push(const disc_kernel *kernel, int component, int way, double pixel_aspect) {
+    const disc_component *c = &kernel->component[component];
+    const disc_share share = disc_direction(kernel, way, pixel_aspect);
+    return (vulkan_disc_push){.fade = (float)kernel->fade,
+                              .beta = {(float)c->beta_re, (float)c->beta_im},
+                              .offset = {(float)c->offset_re, (float)c->offset_im},
+                              .weight = {(float)c->weight_re, (float)c->weight_im},
+                              .level = (float)share.level,
+                              .slope = (float)share.slope,
+                              .excess = (float)disc_excess(kernel)};
+}
+
+/* One component after the other; the first, whose weight is the largest, comes last, and is not rounded in the sum. */
+static void disc(direction *d, const frame_job *job, const vulkan_region *region) {
+    const disc_kernel *kernel = d->frame->disc;
+    const int ways = kernel->directions * kernel->substeps;
+    for (int j = kernel->components - 1; j >= 0; j--)
+        for (int i = 0; i < ways; i++) {
+            const int way = i % kernel->directions;
+            d->push.disc = disc_push(kernel, j, way, job->pixel_aspect);
+            d->push.first_pass = i == 0;
+            d->vertical = way;
+            d->last = i == ways - 1;
+            d->add = d->last && j < kernel->components - 1;
+            d->from = i == 0 ? PICTURE_COLOR : PICTURE_WORK;
+            d->to = !d->last ? PICTURE_WORK : j > 0 ? PICTURE_SUM : PICTURE_OUTPUT;
+            d->length = way == DISC_ROWS ? region->width : region->height;
+            d->lines = way == DISC_ROWS ? region->height : region->width;
+            line(d);
+        }
+}
+
+static void all_passes(direction *d, const frame_job *job, const vulkan_region *region) {
+    if (d->frame->disc)
+        disc(d, job, region);
+    else
+        substeps(d, job, region);
+}
+
 ddof_status vulkan_passes_prepare(ddof_vulkan_frame *frame) {
     const int width = (int)frame->images.color.width, height = (int)frame->images.color.height;
     const vulkan_region all = {0, 0, width, height}, least = {0, 0, 1, 1};
-    const frame_job job = {.substeps = 2}; /* between two substeps passes are others than before and after */
+    /* between two substeps passes are others than before and after */
+    const frame_job job = {.substeps = 2, .pixel_aspect = 1};
     direction d = {.frame = frame, .prepare = frame};
-    substeps(&d, &job, &all);
-    if (frame->solver != DDOF_SOLVER_LINE) substeps(&d, &job, &least);
+    all_passes(&d, &job, &all);
+    if (frame->solver != DDOF_SOLVER_LINE) all_passes(&d, &job, &least);
     return d.status;
 }
 
 /* Scratch images are discarded, and whatever used scratch memory before is waited for. */
 static void begin(const ddof_vulkan_frame *f, VkCommandBuffer commands) {
-    VkImageMemoryBarrier2 image[2];
+    VkImageMemoryBarrier2 image[VULKAN_PICTURES];
     uint32_t images = 0;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < VULKAN_PICTURES; i++)
         if (f->scratch.image[i])
             image[images++] = (VkImageMemoryBarrier2){.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
                                                       .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
@@ -342,6 +393,6 @@ int vulkan_passes_record(const ddof_vulkan_frame *frame, VkCommandBuffer command
     direction d = {
         .frame = frame, .commands = commands, .push = push_of(frame, job, region), .dispatches = &dispatches};
     begin(frame, commands);
-    substeps(&d, job, region);
+    all_passes(&d, job, region);
     return dispatches;
 }

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 
 /* The method, pass by pass: along rows from the colour to the image under way, along columns from there to the output.
- */
+ * The disc kernel does so for each of its components, along diagonals, too, and adds them up. */
 #ifndef DDOF_VULKAN_PASSES_H
 #define DDOF_VULKAN_PASSES_H
 

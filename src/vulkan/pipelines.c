@@ -26,7 +26,7 @@ static VkPipeline make(ddof_vulkan *vk, vulkan_module module, const vulkan_const
     const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
         .requiredSubgroupSize = (uint32_t)c->subgroup};
-    const bool subgroups = module == MODULE_LINE_SUBGROUPS;
+    const bool subgroups = module == MODULE_LINE_SUBGROUPS || module == MODULE_DISC_LINE_SUBGROUPS;
     VkPipeline made = VK_NULL_HANDLE;
     VkShaderModule shader = make_module(vk, module, status);
     if (!shader) return VK_NULL_HANDLE;

@@ -11,6 +11,8 @@
 typedef enum vulkan_module {
     MODULE_LINE,           /* without subgroups */
     MODULE_LINE_SUBGROUPS, /* with */
+    MODULE_DISC_LINE,      /* of the disc kernel, likewise */
+    MODULE_DISC_LINE_SUBGROUPS,
     MODULE_PCR_FIRST,
     MODULE_PCR,
     MODULE_PCR_LAST,
@@ -31,16 +33,22 @@ typedef struct vulkan_code {
 
 extern const vulkan_code vulkan_codes[VULKAN_MODULES];
 
-/* Specialisation constants, in the order of constant_id in shaders/vulkan/pass.glsl and line.comp. */
+/* Specialisation constants, in the order of constant_id in shaders/vulkan/pass.glsl, line.comp and disc_line.comp. */
 typedef struct vulkan_constants {
     int32_t workgroup;
-    int32_t vertical;
+    int32_t vertical; /* 0: rows, 1: columns; of the disc kernel: DISC_ROWS and so on */
     int32_t depth; /* 0: the map holds CoC; else 1 + ddof_depth_kind */
     int32_t alpha;
     int32_t half, target_half;
     int32_t last;
     int32_t k, strip, subgroup; /* of LINE */
+    int32_t from_real, add;     /* of the disc kernel */
 } vulkan_constants;
+
+/* What the disc kernel's pass solves: a component, along a direction. */
+typedef struct vulkan_disc_push {
+    float fade, beta[2], offset[2], weight[2], level, slope, excess;
+} vulkan_disc_push;
 
 /* Member by member what pass.glsl has. */
 typedef struct vulkan_push {
@@ -50,9 +58,15 @@ typedef struct vulkan_push {
     int32_t map_shift;
     int32_t unknowns;
     int32_t lines, first_line;
-    float scale;
-    int32_t first_pass, known, to_unknowns, stride;
-    uint32_t rows_at, y_at, to_at;
+    int32_t first_pass;
+    union {
+        struct {
+            float scale;
+            int32_t known, to_unknowns, stride;
+            uint32_t rows_at, y_at, to_at;
+        };
+        vulkan_disc_push disc;
+    };
 } vulkan_push;
 
 typedef struct vulkan_pipeline {

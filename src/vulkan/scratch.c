@@ -4,9 +4,19 @@
 #include "frame.h"
 #include "passes.h"
 
-/* ROWS: solvers whose last pass reads the pixels beside the one it writes. */
-static bool needs_rows(const ddof_vulkan_frame *frame) {
-    return frame->solver == DDOF_SOLVER_CR4_PACK;
+static bool wanted(const ddof_vulkan_frame *frame, vulkan_picture picture) {
+    switch (picture) {
+    case PICTURE_ROWS: /* solvers whose last pass reads the pixels beside the one it writes */
+        return frame->solver == DDOF_SOLVER_CR4_PACK;
+    case PICTURE_WORK:
+        return frame->output_also != PICTURE_WORK;
+    case PICTURE_IMAGINARY:
+        return frame->disc != NULL;
+    case PICTURE_SUM:
+        return frame->disc && frame->disc->components > 1 && frame->output_also != PICTURE_SUM;
+    default:
+        return false;
+    }
 }
 
 static ddof_status make_image(ddof_vulkan *vk, const ddof_vulkan_frame *frame, VkImage *image) {
@@ -51,12 +61,11 @@ static VkDeviceSize place(const ddof_vulkan *vk, vulkan_scratch *s, const VkMemo
 
 ddof_status vulkan_scratch_make(ddof_vulkan *vk, ddof_vulkan_frame *frame) {
     vulkan_scratch *s = &frame->scratch;
-    const bool wanted[2] = {needs_rows(frame), !frame->work_is_output};
     const VkDevice device = vk->config.device;
     VkMemoryRequirements r;
     s->total = (VkMemoryRequirements){0, 1, UINT32_MAX};
-    for (int i = 0; i < 2; i++) {
-        if (!wanted[i]) continue;
+    for (int i = 0; i < VULKAN_PICTURES; i++) {
+        if (!wanted(frame, (vulkan_picture)i)) continue;
         const ddof_status status = make_image(vk, frame, &s->image[i]);
         if (status != DDOF_OK) return status;
         vk->f.GetImageMemoryRequirements(device, s->image[i], &r);
@@ -106,7 +115,7 @@ ddof_status vulkan_scratch_bind(ddof_vulkan *vk, ddof_vulkan_frame *frame) {
     const VkDeviceMemory memory = own ? s->memory : frame->images.scratch_memory;
     const VkDeviceSize offset = own ? 0 : frame->images.scratch_offset;
     VkResult result = VK_SUCCESS;
-    for (int i = 0; i < 2 && result == VK_SUCCESS; i++)
+    for (int i = 0; i < VULKAN_PICTURES && result == VK_SUCCESS; i++)
         if (s->image[i])
             result = vk->f.BindImageMemory(vk->config.device, s->image[i], memory, offset + s->image_offset[i]);
     if (result == VK_SUCCESS && s->levels)
@@ -115,7 +124,7 @@ ddof_status vulkan_scratch_bind(ddof_vulkan *vk, ddof_vulkan_frame *frame) {
 }
 
 void vulkan_scratch_delete(ddof_vulkan *vk, vulkan_scratch *s) {
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < VULKAN_PICTURES; i++)
         if (s->image[i]) vk->f.DestroyImage(vk->config.device, s->image[i], vk->allocator);
     if (s->levels) vk->f.DestroyBuffer(vk->config.device, s->levels, vk->allocator);
     if (s->memory) vk->f.FreeMemory(vk->config.device, s->memory, vk->allocator);

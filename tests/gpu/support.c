@@ -72,6 +72,10 @@ ddof_context *gpu_context(ddof_backend backend) {
     return ctx;
 }
 
+double disc_tolerance(ddof_surface surface) {
+    return surface == DDOF_SURFACE_RGBA32F ? 1e-5 : 5e-3;
+}
+
 const char *solver_name(ddof_solver solver) {
     static const char *const names[] = {"default",  "cr-vanilla", "cr",   "cr+pack", "cr4",
                                         "cr4+pack", "cr+pcr",     "line", "pcr",     "pcr3+sweep"};

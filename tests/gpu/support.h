@@ -44,4 +44,7 @@ ddof_context *gpu_context(ddof_backend backend);
 
 const char *solver_name(ddof_solver solver);
 
+/* What is promised of the disc kernel's error, of the range of the colours. */
+double disc_tolerance(ddof_surface surface);
+
 #endif

@@ -8,8 +8,6 @@
 
 #include <string.h>
 
-static const ddof_solver solvers[] = {DDOF_SOLVER_LINE, DDOF_SOLVER_PCR, DDOF_SOLVER_PCR3_SWEEP, DDOF_SOLVER_CR4_PACK};
-
 static frame_set small_set(VkFormat output) {
     return set_make((frame_kind){.width = 70, .height = 50, .output = output, .coc = COC_SMOOTH}, 50);
 }
@@ -108,9 +106,8 @@ static void frames_fail(void **state) {
     static const VkFormat outputs[] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R16G16B16A16_SFLOAT,
                                        VK_FORMAT_R8G8B8A8_UNORM};
     (void)state;
-    for (int k = 0; k < COUNT(solvers) + 2; k++) { /* LINE: in each way, the others, which compile long, in one */
-        const ddof_settings settings = {.solver = k < 3 ? DDOF_SOLVER_LINE : solvers[k - 2],
-                                        .surface = DDOF_SURFACE_RGBA32F};
+    for (int k = 0; k < METHODS + 1; k++) { /* LINE: in each way, the others, which compile long, in one */
+        const ddof_settings settings = method(k < 3 ? 0 : k - 2, DDOF_SURFACE_RGBA32F);
         frame_fails(&settings, outputs[k % 3], &failures[k % 3]);
     }
 }
@@ -120,8 +117,8 @@ static void objects_are_kept(void **state) {
     (void)state;
     ddof_vulkan *vk = create();
     frame_set set = small_set(VK_FORMAT_R8G8B8A8_UNORM);
-    for (int k = 0; k < COUNT(solvers); k++) {
-        const ddof_settings settings = {.solver = solvers[k]};
+    for (int k = 0; k < METHODS; k++) {
+        const ddof_settings settings = method(k, DDOF_SURFACE_DEFAULT);
         int live = 0;
         for (int i = 0; i < 4; i++) {
             ddof_vulkan_frame *frame = frame_of(vk, &set, &settings);
@@ -159,8 +156,8 @@ static void pipeline_cache_fails(void **state) {
 static void allocator_fails(void **state) {
     (void)state;
     frame_set set = small_set(VK_FORMAT_R8G8B8A8_UNORM);
-    for (int k = 0; k < COUNT(solvers); k++) {
-        const ddof_settings settings = {.solver = solvers[k]};
+    for (int k = 0; k < METHODS; k++) {
+        const ddof_settings settings = method(k, DDOF_SURFACE_DEFAULT);
         bool done = false;
         for (int at = 1; !done; at++) {
             allocator memory = {.fail_at = at};
@@ -337,12 +334,53 @@ static void no_subgroups(void **state) {
     }
 }
 
+/* The disc kernel has no other solver: small workgroups and no subgroups will do, but lines that are too long are
+ * refused. */
+static void disc_on_small_devices(void **state) {
+    static const struct {
+        uint32_t invocations;
+        int width, height;
+        ddof_quality quality;
+        bool fits;
+    } cases[] = {{32, 150, 90, DDOF_QUALITY_GOOD, true},   {256, 300, 230, DDOF_QUALITY_BEST, true},
+                 {256, 7680, 3, DDOF_QUALITY_DRAFT, true}, {256, 3, 7680, DDOF_QUALITY_DRAFT, true},
+                 {32, 2100, 5, DDOF_QUALITY_DRAFT, false}, {32, 5, 2100, DDOF_QUALITY_DRAFT, false}};
+    (void)state;
+    for (int k = 0; k < COUNT(cases); k++) {
+        tap_forget();
+        tap.invocations = cases[k].invocations;
+        tap.no_shuffle = true;
+        ddof_vulkan *vk = lied_to();
+        const ddof_settings settings = {
+            .kernel = DDOF_KERNEL_DISC, .quality = cases[k].quality, .surface = DDOF_SURFACE_RGBA32F};
+        frame_set set = set_make((frame_kind){.width = cases[k].width,
+                                              .height = cases[k].height,
+                                              .output = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                              .coc = COC_SMOOTH},
+                                 54);
+        if (cases[k].fits) {
+            const ddof_vulkan_stats stats = set_check(vk, &set, NULL, &settings, "disc on a small device");
+            assert_int_equal(stats.solver, DDOF_SOLVER_LINE);
+            assert_int_equal(stats.subgroup, 1);
+        } else {
+            ddof_vulkan_frame *frame = (ddof_vulkan_frame *)&tap;
+            assert_int_equal(ddof_vulkan_frame_create(vk, &frame, &set.images, &settings), DDOF_ERROR_UNSUPPORTED);
+            assert_null(frame);
+            assert_non_null(strstr(ddof_vulkan_error(vk), "too long"));
+        }
+        set_free(&set);
+        destroy(&vk);
+    }
+}
+
 int main(void) {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hidden_functions),     cmocka_unit_test(create_fails),    cmocka_unit_test(frames_fail),
-        cmocka_unit_test(objects_are_kept),     cmocka_unit_test(allocator_fails), cmocka_unit_test(unfit_devices),
-        cmocka_unit_test(pipeline_cache_fails), cmocka_unit_test(unfit_formats),   cmocka_unit_test(long_lines),
-        cmocka_unit_test(small_workgroups),     cmocka_unit_test(no_subgroups),
+        cmocka_unit_test(hidden_functions),     cmocka_unit_test(create_fails),
+        cmocka_unit_test(frames_fail),          cmocka_unit_test(objects_are_kept),
+        cmocka_unit_test(allocator_fails),      cmocka_unit_test(unfit_devices),
+        cmocka_unit_test(pipeline_cache_fails), cmocka_unit_test(unfit_formats),
+        cmocka_unit_test(long_lines),           cmocka_unit_test(small_workgroups),
+        cmocka_unit_test(no_subgroups),         cmocka_unit_test(disc_on_small_devices),
     };
     return run_with_own("vulkan failures", tests, COUNT(tests));
 }

@@ -217,6 +217,14 @@ static void bad_settings(void **state) {
     refused_by_both(vk, i, &(ddof_settings){.reserved = {0, 1}}, DDOF_ERROR_INVALID, "reserved");
     refused_by_both(vk, i, NULL, DDOF_ERROR_INVALID, "settings");
     refused_by_both(vk, NULL, &plain, DDOF_ERROR_INVALID, "images");
+    for (int k = 1; k < SOLVERS; k++) {
+        ddof_settings disc = method(k, DDOF_SURFACE_DEFAULT);
+        disc.kernel = DDOF_KERNEL_DISC, refused_by_both(vk, i, &disc, DDOF_ERROR_UNSUPPORTED, "solver");
+    }
+    refused_by_both(vk, i, &(ddof_settings){.layers = DDOF_LAYERS_AUTO}, DDOF_ERROR_UNSUPPORTED, "layers");
+    refused_by_both(vk, i, &(ddof_settings){.kernel = (ddof_kernel)2}, DDOF_ERROR_INVALID, "kernel");
+    refused_by_both(vk, i, &(ddof_settings){.quality = DDOF_QUALITY_GOOD}, DDOF_ERROR_INVALID, "quality");
+    refused_by_both(vk, i, &(ddof_settings){.kernel = DDOF_KERNEL_DISC, .substeps = 2}, DDOF_ERROR_INVALID, "substeps");
     assert_int_equal(ddof_vulkan_frame_create(NULL, &frame, i, &plain), DDOF_ERROR_INVALID);
     assert_null(frame);
     assert_int_equal(ddof_vulkan_frame_create(vk, NULL, i, &plain), DDOF_ERROR_INVALID);
@@ -285,6 +293,7 @@ static void bad_record_settings(const recording *r, const ddof_settings *good) {
     s = *good, s.solver = DDOF_SOLVER_PCR, not_recorded(r, NULL, &s, "solver");
     s = *good, s.solver = (ddof_solver)99, not_recorded(r, NULL, &s, "solver");
     s = *good, s.surface = DDOF_SURFACE_RGBA32F, not_recorded(r, NULL, &s, "surface");
+    s = *good, s.kernel = DDOF_KERNEL_DISC, not_recorded(r, NULL, &s, "kernel");
     s = *good, s.depth.kind = DDOF_DEPTH_PLANAR, not_recorded(r, NULL, &s, "depth.kind");
     s = *good, s.depth.z_at_0 = 0, not_recorded(r, NULL, &s, "z_at_0");
     s = *good, s.lens.focus = DDOF_FOCUS_PIXEL, not_recorded(r, NULL, &s, "focus");
@@ -292,11 +301,30 @@ static void bad_record_settings(const recording *r, const ddof_settings *good) {
     s = *good, s.lens.focus_distance = NAN, not_recorded(r, NULL, &s, "focus");
     s = *good, s.lens.reserved[3] = 1, not_recorded(r, NULL, &s, "reserved");
     s = *good, s.depth.reserved[3] = 1, not_recorded(r, NULL, &s, "reserved");
-    s = *good, s.reserved[5] = 1, not_recorded(r, NULL, &s, "reserved");
+    s = *good, s.reserved[COUNT(s.reserved) - 1] = 1, not_recorded(r, NULL, &s, "reserved");
     s = *good, s.substeps = 65, not_recorded(r, NULL, &s, "substeps");
     s = *good, s.substeps = -1, not_recorded(r, NULL, &s, "substeps");
     s = *good, s.conductance = (ddof_conductance)2, not_recorded(r, NULL, &s, "conductance");
     not_recorded(r, NULL, NULL, "settings");
+}
+
+/* GOOD is the default, and no other quality is that of the frame object. */
+static void other_quality(void **state) {
+    (void)state;
+    ddof_vulkan *vk = create();
+    const ddof_settings made = {.kernel = DDOF_KERNEL_DISC};
+    frame_set set = set_make((frame_kind){.width = W, .height = H, .output = VK_FORMAT_R16G16B16A16_SFLOAT}, 45);
+    recording r = {frame_of(vk, &set, &made), own_begin()};
+    ddof_settings s = made;
+    s.quality = DDOF_QUALITY_DRAFT, not_recorded(&r, NULL, &s, "quality");
+    s.quality = DDOF_QUALITY_BEST, not_recorded(&r, NULL, &s, "quality");
+    s = made, s.kernel = DDOF_KERNEL_HEAT, not_recorded(&r, NULL, &s, "kernel");
+    s = made, s.conductance = DDOF_CONDUCTANCE_CLASSIC, not_recorded(&r, NULL, &s, "conductance");
+    s = made, s.quality = DDOF_QUALITY_GOOD, record(r.frame, r.commands, NULL, &s, NULL);
+    own_finish(r.commands);
+    ddof_vulkan_frame_destroy(&r.frame);
+    set_free(&set);
+    destroy(&vk);
 }
 
 /* After each of them the command buffer takes the blur, and does it. */
@@ -332,9 +360,9 @@ static void bad_recordings(void **state) {
 
 int main(void) {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(configs),        cmocka_unit_test(features),    cmocka_unit_test(bad_images),
-        cmocka_unit_test(odd_half_map),   cmocka_unit_test(bad_scratch), cmocka_unit_test(bad_settings),
-        cmocka_unit_test(bad_recordings),
+        cmocka_unit_test(configs),        cmocka_unit_test(features),      cmocka_unit_test(bad_images),
+        cmocka_unit_test(odd_half_map),   cmocka_unit_test(bad_scratch),   cmocka_unit_test(bad_settings),
+        cmocka_unit_test(bad_recordings), cmocka_unit_test(other_quality),
     };
     return run_with_own("vulkan invalid", tests, COUNT(tests));
 }

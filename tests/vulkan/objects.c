@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const ddof_solver solvers[] = {DDOF_SOLVER_LINE, DDOF_SOLVER_PCR, DDOF_SOLVER_PCR3_SWEEP, DDOF_SOLVER_CR4_PACK};
-
 static VkMemoryRequirements scratch_of(ddof_vulkan *vk, const ddof_vulkan_images *images,
                                        const ddof_settings *settings) {
     VkMemoryRequirements needs;
@@ -61,13 +59,13 @@ static void line_scratch(void **state) {
 static void scratch_is_told(void **state) {
     (void)state;
     ddof_vulkan *vk = create();
-    for (int k = 0; k < 24; k++) {
-        const ddof_settings settings = {.solver = solvers[k % 4], .surface = (ddof_surface)(k / 4 % 3)};
+    for (int k = 0; k < 6 * METHODS; k++) {
+        const ddof_settings settings = method(k, (ddof_surface)(k / METHODS % 3));
         frame_set set =
             set_make((frame_kind){.width = 133,
                                   .height = 70,
                                   .color = VK_FORMAT_R16G16B16A16_SFLOAT,
-                                  .output = k / 12 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_SFLOAT,
+                                  .output = k / METHODS / 3 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_SFLOAT,
                                   .coc = COC_SMOOTH},
                      30);
         const VkMemoryRequirements needs = scratch_of(vk, &set.images, &settings);
@@ -82,12 +80,12 @@ static void scratch_is_told(void **state) {
 static void own_scratch(void **state) {
     (void)state;
     ddof_vulkan *vk = create();
-    for (int k = 0; k < 8; k++) {
-        const ddof_settings settings = {.solver = solvers[k % 4], .surface = DDOF_SURFACE_RGBA32F};
+    for (int k = 0; k < 2 * METHODS; k++) {
+        const ddof_settings settings = method(k, DDOF_SURFACE_RGBA32F);
         frame_set set =
             set_make((frame_kind){.width = 77 + k,
                                   .height = 60,
-                                  .output = k / 4 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_SFLOAT,
+                                  .output = k / METHODS ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_SFLOAT,
                                   .coc = COC_SMOOTH},
                      31);
         const VkMemoryRequirements needs = scratch_of(vk, &set.images, &settings);
@@ -155,15 +153,14 @@ static void copy_image(VkCommandBuffer commands, const picture *from, const pict
 static void one_command_buffer(void **state) {
     (void)state;
     ddof_vulkan *vk = create();
-    for (int k = 0; k < 16; k++) {
+    for (int k = 0; k < 4 * METHODS; k++) {
         const VkFormat outputs[] = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_UNDEFINED, VK_FORMAT_R8G8B8A8_UNORM,
                                     VK_FORMAT_R16G16B16A16_SFLOAT};
-        const ddof_settings settings = {.solver = solvers[k % 4],
-                                        .surface = k % 3 ? DDOF_SURFACE_RGBA16F : DDOF_SURFACE_RGBA32F,
-                                        .substeps = k % 3};
+        const ddof_settings settings =
+            heat_method(k, k % 3 ? DDOF_SURFACE_RGBA16F : DDOF_SURFACE_RGBA32F, DDOF_CONDUCTANCE_MATCHED, k % 3);
         frame_set set = set_make((frame_kind){.width = 64 + k,
                                               .height = 50,
-                                              .output = outputs[k / 4],
+                                              .output = outputs[k / METHODS],
                                               .layout = VK_IMAGE_LAYOUT_GENERAL,
                                               .coc = COC_SMOOTH},
                                  32);
@@ -191,8 +188,7 @@ static void one_command_buffer(void **state) {
             copy_image(commands, output, &result);
         }
         own_finish(commands);
-        set_compare(&set, NULL, want, settings.surface == DDOF_SURFACE_RGBA32F && k % 4 != 3 ? 1e-5 : 2e-3, "frame %d",
-                    k);
+        set_compare(&set, NULL, want, tolerance(&set, &settings, 1), "frame %d", k);
         ddof_vulkan_frame_destroy(&frame);
         picture_free(&color);
         picture_free(&map);
@@ -220,11 +216,11 @@ static void wait_for_output(VkCommandBuffer commands) {
 static void several(void **state) {
     (void)state;
     ddof_vulkan *vk = create();
-    for (int k = 0; k < 8; k++) {
-        const ddof_settings settings = {.solver = solvers[k % 4], .surface = DDOF_SURFACE_RGBA32F};
+    for (int k = 0; k < 2 * METHODS; k++) {
+        const ddof_settings settings = method(k, DDOF_SURFACE_RGBA32F);
         const frame_kind kind = {.width = 70,
                                  .height = 61,
-                                 .output = k / 4 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_SFLOAT,
+                                 .output = k / METHODS ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_SFLOAT,
                                  .coc = COC_SMOOTH};
         frame_set set[2] = {set_make(kind, 33), set_make(kind, 34)};
         const VkMemoryRequirements needs = scratch_of(vk, &set[0].images, &settings);
@@ -249,7 +245,7 @@ static void several(void **state) {
         CHECK(VK(vkQueueSubmit)(own.queue, 1, &submit, VK_NULL_HANDLE));
         CHECK(VK(vkQueueWaitIdle)(own.queue));
         for (int i = 0; i < 2; i++) {
-            set_compare(&set[i], NULL, want[i], k % 4 == 3 ? 2e-3 : 1e-5, "several, %d of %d", i, k);
+            set_compare(&set[i], NULL, want[i], tolerance(&set[i], &settings, 1), "several, %d of %d", i, k);
             own_forget(commands[i]);
             ddof_vulkan_frame_destroy(&frame[i]);
             fenced_free(want[i]);
@@ -260,10 +256,12 @@ static void several(void **state) {
     destroy(&vk);
 }
 
-/* No recording allocates or makes anything, and LINE with one substep is two dispatches. */
+/* No recording allocates or makes anything, and LINE with one substep is two dispatches; of the disc kernel one for
+ * each component, direction and substep. */
 static void dispatches(void **state) {
     (void)state;
-    for (int k = 0; k < 16; k++) {
+    static const int disc[] = {2, 8, 16};
+    for (int k = 0; k < 4 * METHODS; k++) {
         host_memory host = {0};
         allocator memory = {0};
         const VkAllocationCallbacks callbacks = host_callbacks(&host);
@@ -275,7 +273,7 @@ static void dispatches(void **state) {
         ddof_vulkan *vk = NULL;
         tap_forget();
         assert_int_equal(ddof_vulkan_create(&vk, &config), DDOF_OK);
-        ddof_settings settings = {.solver = solvers[k / 4], .surface = (ddof_surface)(k % 3), .substeps = 1};
+        ddof_settings settings = method(k / 4, (ddof_surface)(k % 3));
         frame_set set = set_make((frame_kind){.width = 120 + k, .height = 90, .output = VK_FORMAT_R8G8B8A8_UNORM}, 35);
         ddof_vulkan_frame *frame = frame_of(vk, &set, &settings);
         const int calls = tap.calls, live = tap.live, allocations = host.allocations, blocks = memory.calls;
@@ -284,8 +282,7 @@ static void dispatches(void **state) {
             for (int i = 0; i < 3; i++) {
                 ddof_vulkan_stats stats;
                 VkCommandBuffer commands = own_begin();
-                settings.substeps = substeps;
-                settings.conductance = (ddof_conductance)(i % 2);
+                settings = heat_method(k / 4, settings.surface, (ddof_conductance)(i % 2), substeps);
                 tap.dispatches = 0;
                 record(frame, commands, &(ddof_vulkan_view){.width = 100 + i, .height = 80 - i}, &settings, &stats);
                 own_finish(commands);
@@ -294,10 +291,10 @@ static void dispatches(void **state) {
                 assert_int_equal(host.allocations, allocations);
                 assert_int_equal(memory.calls, blocks);
                 assert_int_equal(stats.dispatches, tap.dispatches);
-                assert_int_equal(stats.solver, settings.solver);
+                assert_int_equal(stats.solver, settings.kernel ? DDOF_SOLVER_LINE : settings.solver);
                 assert_non_null(strstr(stats.device, own.properties.deviceName));
-                if (settings.solver != DDOF_SOLVER_LINE) continue;
-                assert_int_equal(stats.dispatches, 2 * substeps);
+                if (stats.solver != DDOF_SOLVER_LINE) continue;
+                assert_int_equal(stats.dispatches, settings.kernel ? disc[settings.quality - 1] : 2 * substeps);
                 assert_true(stats.pixels_per_thread > 0 && stats.workgroup > 0 && stats.strip > 0);
                 const bool sized = own.size_control.subgroupSizeControl && own.size_control.computeFullSubgroups;
                 if (sized && own.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU)
@@ -377,16 +374,16 @@ static void lesser_devices(void **state) {
         const char *missing = own_open(k % 2 ? VK_API_VERSION_1_1 : VK_API_VERSION_1_3, k / 2);
         if (missing) fail_msg("%s", missing);
         ddof_vulkan *vk = create();
-        for (int i = 0; i < 8; i++) {
+        for (int i = 0; i < 2 * METHODS; i++) {
+            const ddof_settings settings = method(i, DDOF_SURFACE_RGBA32F);
             frame_set set =
                 set_make((frame_kind){.width = 150,
                                       .height = 90,
-                                      .output = i / 4 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R32G32B32A32_SFLOAT,
+                                      .output = i / METHODS ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R32G32B32A32_SFLOAT,
                                       .coc = COC_SMOOTH},
                          38);
-            const ddof_vulkan_stats stats = set_check(
-                vk, &set, NULL, &(ddof_settings){.solver = solvers[i % 4], .surface = DDOF_SURFACE_RGBA32F}, "lesser");
-            if (k / 2 && i % 4 == 0) assert_int_equal(stats.subgroup, 1);
+            const ddof_vulkan_stats stats = set_check(vk, &set, NULL, &settings, "lesser");
+            if (k / 2 && stats.solver == DDOF_SOLVER_LINE) assert_int_equal(stats.subgroup, 1);
             set_free(&set);
         }
         destroy(&vk);

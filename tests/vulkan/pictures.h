@@ -74,9 +74,14 @@ void record(ddof_vulkan_frame *frame, VkCommandBuffer commands, const ddof_vulka
 ddof_vulkan_stats set_render(ddof_vulkan *vk, const frame_set *set, const ddof_vulkan_view *view,
                              const ddof_settings *settings);
 
-/* What is promised of the error in float, of the range. */
-double float_tolerance(const frame_set *set, const ddof_settings *settings, double aspect);
-bool packs(ddof_solver solver);
+/* Settings with each of the solvers, then the disc kernel with each quality; and copies with a surface and, of the heat
+ * kernel, a conductance and substeps. */
+enum { SOLVERS = 4, METHODS = SOLVERS + 3 };
+ddof_settings method(int k, ddof_surface surface);
+ddof_settings heat_method(int k, ddof_surface surface, ddof_conductance conductance, int substeps);
+
+/* What is promised of the error, of the range, by kernel, solver and surface. */
+double tolerance(const frame_set *set, const ddof_settings *settings, double aspect);
 
 /* The output, or its part in the view, is `want` but for `allowed` and a step of its format. */
 void set_compare(const frame_set *set, const ddof_vulkan_view *view, const float *want, double allowed,

@@ -57,9 +57,12 @@ TAP_CREATE(Sampler, VkSamplerCreateInfo)
 TAP_CREATE(Semaphore, VkSemaphoreCreateInfo)
 TAP_CREATE(ShaderModule, VkShaderModuleCreateInfo)
 
-/* The shader of LINE with subgroups, without: shuffles go through shared memory. */
+/* The shaders of LINE with subgroups, without: shuffles go through shared memory. */
 static const uint32_t line_shared[] = {
 #include "line_shared.inc"
+};
+static const uint32_t disc_line_shared[] = {
+#include "disc_line_shared.inc"
 };
 
 static VKAPI_ATTR VkResult VKAPI_CALL create_module(VkDevice device, const VkShaderModuleCreateInfo *info,
@@ -68,6 +71,10 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_module(VkDevice device, const VkSha
     if (tap.subgroup && info->pCode == vulkan_codes[MODULE_LINE_SUBGROUPS].word) {
         other.codeSize = sizeof line_shared;
         other.pCode = line_shared;
+    }
+    if (tap.subgroup && info->pCode == vulkan_codes[MODULE_DISC_LINE_SUBGROUPS].word) {
+        other.codeSize = sizeof disc_line_shared;
+        other.pCode = disc_line_shared;
     }
     return create_ShaderModule(device, &other, allocator, made);
 }
