@@ -7,10 +7,10 @@
  *     far             the rest
  * Neighbouring layers share a pixel smoothly, so that a surface that runs through both shows no seam. A layer is premultiplied
  * colour and coverage. Where something nearer hides it, both are filled from around, and where it has no pixels, its CoC is:
- * so it continues behind what is near, and its edge spreads as wide as its CoC says. Each is diffused by itself; laid
- * over each other they are the picture. A holdout is a hole in all of them, and its pixels are put back at the end.
+ * so it continues behind what is near, and its edge spreads as wide as its CoC says. Each is diffused by itself, and from the
+ * last to the nearest laid over those behind it. A holdout is a hole in all of them, and its pixels are put back at the end.
  *
- * A picture that has only one of the layers is diffused as it is. */
+ * A picture that has only one of the layers is diffused as it is. The arithmetic of a row is in cpu/layers.c. */
 #include "layers.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@
 #include "fill.h"
 #include "image.h"
 
-enum { LAYERS = 4, BAND = 16 /* rows of a task */, OCTAVE = 8, BINS = 20 * OCTAVE };
+enum { LAYERS = 4, BAND = 16 /* rows of a task */ };
 
 /* CoC between which a pixel goes over from the focus to what is out of it, pixels. Below, blur is hardly seen. */
 #define FOCUS_LEAST 1.0f
@@ -30,35 +30,48 @@ enum { LAYERS = 4, BAND = 16 /* rows of a task */, OCTAVE = 8, BINS = 20 * OCTAV
 #define PART_LEAST 2.2f
 
 typedef struct layer {
-    float least, most;   /* -CoC at which its and all nearer layers' common share begins to rise, and is 1; the last: none */
+    layer_share share;
     bool last;           /* behind everything: opaque */
     bool focus;
     int x0, y0, x1, y1;  /* the pixels it can reach */
     float widest;        /* |CoC| */
 } layer;
 
+/* Of the last layer, and of what is nearer than the first. */
+static const layer_share everything = {0, 1}, nothing = {0, 0};
+
+/* Premultiplied RGBA float, rows `stride` bytes apart. */
+typedef struct pixels {
+    char *base;
+    ptrdiff_t stride;
+} pixels;
+
 typedef struct work {
     ddof_context *ctx;
     frame_job *job;
     const pixel_kernels *k;
+    const layer_kernels *layers;
     int width, height, channels, bands;
     bool straight, opaque; /* the picture's alpha; opaque: 1 everywhere, or none */
-    float *source;         /* premultiplied RGBA, holes and holdouts filled */
-    float *coc;            /* signed */
-    float *known;          /* weight for a fill */
-    float *layer, *reach;  /* the layer under work: premultiplied RGBA and its CoC */
+    ddof_image color, output; /* the caller's, resolved */
+    pixels source;         /* the picture, holes and holdouts filled: the caller's where it is fit for that */
+    float *copy;           /* room for the source where it is not */
+    float *coc;            /* signed; until they are filled, holes are NaN */
+    pixels layer;          /* the layer under work */
+    float *reach;          /* its CoC */
     float *coverage;       /* of it, where its pixels have no channel to spare; else NULL */
-    float *result, *through; /* layers so far, and what shines through them */
-    float *row;            /* per worker: RGBA, CoC, mask */
+    pixels result;         /* the layers so far: the caller's output where it is fit for that */
+    float *row;            /* per worker: RGBA, mask */
     void *rest;            /* fill, or backend */
     atomic_llong holes, held; /* pixels that were not finite; that a mask holds out */
     atomic_int transparent;
-    atomic_llong near_bin[BINS];
+    atomic_llong near_class[NEAR_CLASSES];
     atomic_int box[LAYERS][4];
     atomic_int widest[LAYERS]; /* bits of a float >= 0 */
     layer parts[LAYERS];
     int count;
-    const layer *now, *nearer; /* NULL: there is none */
+    const layer *now;
+    layer_share nearer; /* than now */
 } work;
 
 bool layers_wanted(const frame_job *job) {
@@ -73,6 +86,15 @@ static float *take(char *base, size_t *used, size_t count) {
     return p;
 }
 
+static pixels take_pixels(const work *w, char *base, size_t *used) {
+    float *p = take(base, used, 4 * (size_t)w->width * (size_t)w->height);
+    return (pixels){(char *)p, (ptrdiff_t)sizeof(float) * 4 * w->width};
+}
+
+static inline float *at(pixels p, int x, int y) {
+    return p.base ? (float *)(void *)(p.base + p.stride * y) + 4 * (ptrdiff_t)x : NULL;
+}
+
 /* A job that diffuses `width` x `height` pixels of the layer from (x, y) in place. */
 typedef struct inner_job {
     frame_job job;
@@ -80,17 +102,16 @@ typedef struct inner_job {
     ddof_settings settings;
 } inner_job;
 
-static void inner(const work *w, const frame_job *job, inner_job *i, float *pixels, int channels, int x, int y, int width,
-                  int height) {
-    const size_t at = (size_t)w->width * (size_t)y + (size_t)x;
+static void inner(const work *w, const frame_job *job, inner_job *i, float *first, ptrdiff_t stride, int channels,
+                  const layer *l) {
+    const int width = l->x1 - l->x0, height = l->y1 - l->y0;
     i->job = *job;
     i->frame = *job->frame;
     i->frame.holdout = NULL;
     i->frame.depth = (ddof_image){0};
-    i->frame.color = i->frame.output = ddof_image_interleaved(pixels ? pixels + (size_t)channels * at : NULL, width, height, channels,
-                                                              DDOF_FLOAT, (ptrdiff_t)sizeof(float) * channels * w->width);
-    i->frame.coc = ddof_image_interleaved(w->reach ? w->reach + at : NULL, width, height, 1, DDOF_FLOAT,
-                                          (ptrdiff_t)sizeof(float) * w->width);
+    i->frame.color = i->frame.output = ddof_image_interleaved(first, width, height, channels, DDOF_FLOAT, stride);
+    i->frame.coc = ddof_image_interleaved(w->reach ? w->reach + (ptrdiff_t)w->width * l->y0 + l->x0 : NULL, width, height, 1,
+                                          DDOF_FLOAT, (ptrdiff_t)sizeof(float) * w->width);
     i->settings = *job->settings;
     i->settings.layers = DDOF_LAYERS_OFF;
     i->job.settings = &i->settings;
@@ -111,20 +132,19 @@ static size_t lay_out(work *w, const ddof_context *ctx, const frame_job *job, ch
     w->channels = color->channels;
     w->bands = (w->height + BAND - 1) / BAND;
     const size_t n = (size_t)w->width * (size_t)w->height, wide = (size_t)w->width;
-    w->source = take(base, &used, 4 * n);
+    w->copy = take(base, &used, 4 * n);
     w->coc = take(base, &used, n);
-    w->known = take(base, &used, n);
-    w->layer = take(base, &used, 4 * n);
+    w->layer = take_pixels(w, base, &used);
     w->reach = take(base, &used, n);
-    w->result = take(base, &used, 4 * n);
-    w->through = take(base, &used, n);
+    w->result = take_pixels(w, base, &used);
     w->coverage = w->channels == 4 ? take(base, &used, n) : NULL;
-    w->row = take(base, &used, 6 * wide * (size_t)ctx->threads);
+    w->row = take(base, &used, 5 * wide * (size_t)ctx->threads);
     w->rest = take(base, &used, 0);
-    size_t rest = largest(fill_bytes(4, w->width, w->height), ctx->backend->scratch_bytes(ctx, job));
+    size_t rest = largest(fill_bytes(ctx, 4, w->width, w->height), ctx->backend->scratch_bytes(ctx, job));
+    const layer whole = {.x1 = w->width, .y1 = w->height};
     for (int channels = 4; channels > 0; channels -= 3) {
         inner_job i;
-        inner(w, job, &i, w->layer, channels, 0, 0, w->width, w->height);
+        inner(w, job, &i, NULL, (ptrdiff_t)sizeof(float) * channels * w->width, channels, &whole);
         rest = largest(rest, ctx->backend->scratch_bytes(ctx, &i.job));
         i.job.disc = NULL;
         rest = largest(rest, ctx->backend->scratch_bytes(ctx, &i.job));
@@ -147,7 +167,7 @@ typedef struct loop {
 
 static void loop_band(void *data, int index, int worker) {
     const loop *l = data;
-    float *room = l->w->row + 6 * (size_t)l->w->width * (size_t)worker;
+    float *room = l->w->row + 5 * (size_t)l->w->width * (size_t)worker;
     for (int i = 0, y = l->y0 + index * BAND; i < BAND && y < l->y1; i++, y++) l->row(l->w, y, room);
     context_progress(l->w->ctx, 0);
 }
@@ -178,65 +198,102 @@ static void mask_row(const work *w, int y, float *mask) {
     for (int x = 0; x < w->width; x++) mask[x] = clamped(mask[x]);
 }
 
+/* Channels that are missing are 0, alpha is 1. */
 static void color_row(const work *w, int y, float *rgba) {
-    ddof_image image = w->job->frame->color;
-    image_resolve(&image);
-    image.alpha = DDOF_ALPHA_PREMULTIPLIED;
-    span_load(&image, 0, y, w->width, rgba, w->straight, w->k);
+    if (image_is_rgba(&w->color) && !w->straight) {
+        memcpy(rgba, image_at(&w->color, 0, 0, y), 4 * (size_t)w->width * sizeof *rgba);
+        return;
+    }
+    span_load(&w->color, 0, y, w->width, rgba, w->straight, w->k);
+    for (int x = 0; x < w->width && w->channels < 4; x++) rgba[4 * (size_t)x + 3] = 1;
 }
 
-/* Which of BINS logarithmic classes a positive CoC belongs to, from its exponent and the leading bits behind it. */
-static int bin_of(float d) {
-    int32_t bits;
-    memcpy(&bits, &d, sizeof bits);
-    const int bin = (bits >> 20) - (127 << 3); /* OCTAVE = 8 to an octave, from 1 pixel */
-    return bin < 0 ? 0 : bin < BINS ? bin : BINS - 1;
+/* Marks the holes in a row of CoC. */
+static void find_holes(work *w, const float *rgba, float *coc) {
+    int64_t holes = 0;
+    int transparent = 0;
+    for (int x = 0; x < w->width; x++) {
+        const float *p = rgba + 4 * (size_t)x;
+        if (finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]) && finite(coc[x])) {
+            transparent |= p[3] != 1;
+            continue;
+        }
+        coc[x] = NAN;
+        holes++;
+    }
+    atomic_fetch_add(&w->holes, holes);
+    if (transparent) atomic_store(&w->transparent, 1);
 }
 
 static void load_row(work *w, int y, float *room) {
-    const size_t at = (size_t)w->width * (size_t)y;
-    float *rgba = w->source + 4 * at, *coc = w->coc + at, *known = w->known + at, *mask = room;
-    const frame_job *job = w->job;
-    int64_t holes = 0, held = 0;
-    int bins[BINS] = {0}, transparent = 0;
-    color_row(w, y, rgba);
-    mask_row(w, y, mask);
+    float *coc = w->coc + (size_t)w->width * (size_t)y, *rgba = at(w->source, 0, y);
+    frame_job *job = w->job;
+    int classes[NEAR_CLASSES] = {0};
+    if (w->source.base == (char *)w->copy) color_row(w, y, rgba);
     ddof_image map = job->coc_source;
     image_resolve(&map);
     plane_load(&map, 0, 0, y, w->width, coc, w->k);
     if (job->is_depth) w->k->lens(&job->curve, coc, coc, w->width, job->frame->offset_x, y + job->frame->offset_y);
-    for (int x = 0; x < w->width; x++) {
-        float *p = rgba + 4 * (size_t)x;
-        known[x] = 1 - mask[x];
-        held += mask[x] > 0;
-        if (finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]) && finite(coc[x])) {
-            if (-coc[x] > FOCUS_MOST) bins[bin_of(-coc[x])]++;
-            transparent |= p[3] != 1;
-            continue;
-        }
-        memset(p, 0, 4 * sizeof *p);
-        coc[x] = known[x] = 0;
-        holes++;
+    const int found = w->layers->inspect(rgba, coc, w->width);
+    if (found & ROW_NOT_FINITE)
+        find_holes(w, rgba, coc);
+    else if (found & ROW_TRANSPARENT)
+        atomic_store(&w->transparent, 1);
+    if (job->frame->holdout) {
+        int64_t held = 0;
+        mask_row(w, y, room);
+        for (int x = 0; x < w->width; x++) held += room[x] > 0;
+        atomic_fetch_add(&w->held, held);
     }
-    atomic_fetch_add(&w->holes, holes);
-    atomic_fetch_add(&w->held, held);
-    if (transparent) atomic_store(&w->transparent, 1);
-    for (int b = 0; b < BINS; b++)
-        if (bins[b]) atomic_fetch_add(&w->near_bin[b], bins[b]);
+    w->layers->classify(coc, w->width, FOCUS_MOST, classes);
+    for (int c = 0; c < NEAR_CLASSES; c++)
+        if (classes[c]) atomic_fetch_add(&w->near_class[c], classes[c]);
 }
 
-static ddof_status fill_rect(work *w, float *value, int channels, int x0, int y0, int x1, int y1) {
-    const size_t at = (size_t)w->width * (size_t)y0 + (size_t)x0;
-    const fill_picture p = {value + (size_t)channels * at, w->known + at, channels, x1 - x0, y1 - y0, w->width};
-    return fill_unknown(w->ctx, &p, w->rest);
+/* What is neither a hole nor held out. */
+static void known_row(const work *w, int y, float *weight) {
+    const float *coc = w->coc + (size_t)w->width * (size_t)y;
+    mask_row(w, y, weight);
+    for (int x = 0; x < w->width; x++) weight[x] = finite(coc[x]) ? 1 - weight[x] : 0;
+}
+
+static void known_color(void *user, int y, float *value, float *weight) {
+    const work *w = user;
+    color_row(w, y, value);
+    known_row(w, y, weight);
+    for (int x = 0; x < w->width; x++)
+        if (weight[x] == 0) memset(value + 4 * (size_t)x, 0, 4 * sizeof *value);
+}
+
+static void known_coc(void *user, int y, float *value, float *weight) {
+    const work *w = user;
+    const float *coc = w->coc + (size_t)w->width * (size_t)y;
+    known_row(w, y, weight);
+    for (int x = 0; x < w->width; x++) value[x] = finite(coc[x]) ? coc[x] : 0;
+}
+
+/* Where the picture is read and the result made: the caller's memory, where the one is not needed after the other. */
+static void choose_memory(work *w) {
+    const bool in_place = w->color.plane[0].data == w->output.plane[0].data;
+    w->source = (pixels){(char *)w->copy, (ptrdiff_t)sizeof(float) * 4 * w->width};
+    if (image_is_rgba(&w->color) && !w->straight && !in_place)
+        w->source = (pixels){w->color.plane[0].data, w->color.plane[0].row_stride};
+    if (image_is_rgba(&w->output) && !w->straight && !(in_place && w->job->frame->holdout))
+        w->result = (pixels){w->output.plane[0].data, w->output.plane[0].row_stride};
 }
 
 static ddof_status load(work *w) {
+    choose_memory(w);
     ddof_status status = rows(w, 0, w->height, load_row);
     w->opaque = w->channels < 4 || !w->transparent;
     if (status != DDOF_OK || (!w->holes && !w->held)) return status;
-    status = fill_rect(w, w->source, 4, 0, 0, w->width, w->height);
-    return status == DDOF_OK ? fill_rect(w, w->coc, 1, 0, 0, w->width, w->height) : status;
+    const ptrdiff_t stride = (ptrdiff_t)sizeof(float) * w->width;
+    w->source = (pixels){(char *)w->copy, 4 * stride};
+    fill_picture p = {.channels = 4, .width = w->width, .height = w->height, .row = known_color, .user = w};
+    status = fill_unknown(w->ctx, &p, w->copy, w->source.stride, w->rest);
+    p.channels = 1;
+    p.row = known_coc;
+    return status == DDOF_OK ? fill_unknown(w->ctx, &p, w->coc, stride, w->rest) : status;
 }
 
 /* ---- which layers there are */
@@ -245,15 +302,15 @@ static ddof_status load(work *w) {
  * mean over all CoC, so weighted that nearly only the best count: in a gap it falls in the middle, and it moves smoothly
  * from frame to frame. 0: nothing to part. */
 static float parting(const work *w) {
-    double count[BINS], sum[BINS], between[BINS] = {0}, n = 0, s = 0, n0 = 0, s0 = 0, most = 0, weight = 0, mean = 0;
-    for (int b = 0; b < BINS; b++) {
-        const double d = exp2((b + 0.5) / OCTAVE);
-        count[b] = (double)atomic_load(&w->near_bin[b]);
+    double count[NEAR_CLASSES], sum[NEAR_CLASSES], between[NEAR_CLASSES] = {0}, n = 0, s = 0, n0 = 0, s0 = 0, most = 0, weight = 0, mean = 0;
+    for (int b = 0; b < NEAR_CLASSES; b++) {
+        const double d = exp2((b + 0.5) / NEAR_OCTAVE);
+        count[b] = (double)atomic_load(&w->near_class[b]);
         sum[b] = count[b] * (d < w->width ? d : w->width);
         n += count[b];
         s += sum[b];
     }
-    for (int b = 1; b < BINS; b++) {
+    for (int b = 1; b < NEAR_CLASSES; b++) {
         n0 += count[b - 1];
         s0 += sum[b - 1];
         if (!(n0 > 0 && n0 < n)) continue;
@@ -262,47 +319,36 @@ static float parting(const work *w) {
         most = fmax(most, between[b]);
     }
     if (!(most > 0)) return 0;
-    for (int b = 1; b < BINS; b++) {
+    for (int b = 1; b < NEAR_CLASSES; b++) {
         const double share = pow(between[b] / most, 32);
         weight += share;
         mean += share * b;
     }
-    return (float)exp2(mean / weight / OCTAVE);
+    return (float)exp2(mean / weight / NEAR_OCTAVE);
 }
 
-static float smooth(float least, float most, float x) {
-    float t = (x - least) / (most - least);
-    t = t > 0 ? t < 1 ? t : 1 : 0;
-    return t * t * (3 - 2 * t);
+/* Between -CoC of `least`, where what is nearer begins to rise, and `most`, where it is all. */
+static layer_share rising(float least, float most) {
+    return (layer_share){1 / (most - least), -least / (most - least)};
 }
 
-/* Of a pixel: what belongs to this layer and all nearer ones. */
-static inline float share_up_to(const layer *l, float coc) {
-    return !l ? 0 : l->last ? 1 : smooth(l->least, l->most, -coc);
+static void raise(atomic_int *most, int value) {
+    int old = atomic_load(most);
+    while (value > old && !atomic_compare_exchange_weak(most, &old, value)) {}
 }
 
 static void extent_row(work *w, int y, float *room) {
     const float *coc = w->coc + (size_t)w->width * (size_t)y;
     (void)room;
     for (int l = 0; l < w->count; l++) {
-        const layer *here = &w->parts[l], *nearer = l ? here - 1 : NULL;
-        int first = -1, last = -1;
-        float widest = 0;
-        for (int x = 0; x < w->width; x++) {
-            if (!(share_up_to(here, coc[x]) > share_up_to(nearer, coc[x]))) continue;
-            if (first < 0) first = x;
-            last = x;
-            widest = fmaxf(widest, fabsf(coc[x]));
-        }
-        if (first < 0) continue;
-        const int now[4] = {-first, -y, last, y};
-        for (int i = 0; i < 4; i++) {
-            int old = atomic_load(&w->box[l][i]);
-            while (now[i] > old && !atomic_compare_exchange_weak(&w->box[l][i], &old, now[i])) {}
-        }
-        int bits, old = atomic_load(&w->widest[l]);
+        int first, last, bits;
+        float widest;
+        if (!w->layers->extent(coc, w->width, w->parts[l].share, l ? w->parts[l - 1].share : nothing, &first, &last, &widest))
+            continue;
+        const int box[4] = {-first, -y, last, y};
+        for (int i = 0; i < 4; i++) raise(&w->box[l][i], box[i]);
         memcpy(&bits, &widest, sizeof bits);
-        while (bits > old && !atomic_compare_exchange_weak(&w->widest[l], &old, bits)) {}
+        raise(&w->widest[l], bits);
     }
 }
 
@@ -333,21 +379,22 @@ static void keep_used(work *w) {
     w->count = count;
     layer *last = &w->parts[count - 1];
     last->last = true;
+    last->share = everything;
     last->x0 = last->y0 = 0;
     last->x1 = w->width;
     last->y1 = w->height;
 }
 
 static ddof_status find_layers(work *w) {
-    const float at = parting(w);
+    const float parted = parting(w);
     w->count = 0;
     if (w->job->settings->layers == DDOF_LAYERS_AUTO) {
-        if (at >= PART_LEAST)
-            w->parts[w->count++] = (layer){.least = at * (1 - PART_SOFT), .most = at * (1 + PART_SOFT)};
-        w->parts[w->count++] = (layer){.least = FOCUS_LEAST, .most = FOCUS_MOST};
-        w->parts[w->count++] = (layer){.least = -FOCUS_MOST, .most = -FOCUS_LEAST, .focus = true};
+        if (parted >= PART_LEAST)
+            w->parts[w->count++] = (layer){.share = rising(parted * (1 - PART_SOFT), parted * (1 + PART_SOFT))};
+        w->parts[w->count++] = (layer){.share = rising(FOCUS_LEAST, FOCUS_MOST)};
+        w->parts[w->count++] = (layer){.share = rising(-FOCUS_MOST, -FOCUS_LEAST), .focus = true};
     }
-    w->parts[w->count++] = (layer){.last = true};
+    w->parts[w->count++] = (layer){.share = everything, .last = true};
     for (int l = 0; l < LAYERS; l++)
         for (int i = 0; i < 4; i++) atomic_store(&w->box[l][i], -INT32_MAX);
     ddof_status status = rows(w, 0, w->height, extent_row);
@@ -355,57 +402,41 @@ static ddof_status find_layers(work *w) {
     return status;
 }
 
-/* ---- one layer */
+/* ---- one layer; its rows begin at x0, y0 */
 
-/* Takes the layer's part of the picture; known: 0 where something nearer hides it. */
-static void split_row(work *w, int y, float *room) {
-    const layer *l = w->now;
-    (void)room;
-    for (int x = l->x0; x < l->x1; x++) {
-        const size_t i = (size_t)w->width * (size_t)y + (size_t)x;
-        const float hidden = share_up_to(w->nearer, w->coc[i]), seen = 1 - hidden;
-        const float cover = l->last ? 1 : seen > 0 ? (share_up_to(l, w->coc[i]) - hidden) / seen : 0;
-        float *out = w->layer + 4 * i;
-        for (int c = 0; c < 4; c++) out[c] = cover * w->source[4 * i + (size_t)c];
-        if (w->coverage)
-            w->coverage[i] = cover;
-        else
-            out[3] = cover;
-        /* where it shares a pixel, its colour is that of the pixel, not of what lies around */
-        w->known[i] = 4 * seen < 1 ? 4 * seen : 1;
-    }
+static const float *coc_row(const work *w, int y) {
+    return w->coc + (ptrdiff_t)w->width * (w->now->y0 + y) + w->now->x0;
 }
 
-/* The layer's CoC where it has pixels. */
-static void reach_row(work *w, int y, float *room) {
+static void split_row(void *user, int y, float *value, float *weight) {
+    const work *w = user;
     const layer *l = w->now;
-    (void)room;
-    for (int x = l->x0; x < l->x1; x++) {
-        const size_t i = (size_t)w->width * (size_t)y + (size_t)x;
-        const bool own = share_up_to(l, w->coc[i]) > share_up_to(w->nearer, w->coc[i]);
-        w->known[i] = own;
-        w->reach[i] = own ? fabsf(w->coc[i]) : 0;
-    }
+    w->layers->split(at(w->source, l->x0, l->y0 + y), coc_row(w, y), l->x1 - l->x0, l->share, w->nearer, value, weight);
 }
 
-/* Lays the layer behind those before it. */
-static void compose_row(work *w, int y, float *room) {
+static void cover_row(void *user, int y, float *value, float *weight) {
+    const work *w = user;
     const layer *l = w->now;
-    (void)room;
-    for (int x = l->x0; x < l->x1; x++) {
-        const size_t i = (size_t)w->width * (size_t)y + (size_t)x;
-        const float *in = w->layer + 4 * i;
-        const float through = w->through[i], cover = l->last ? 1 : w->coverage ? w->coverage[i] : in[3];
-        for (size_t c = 0; c < 4; c++) w->result[4 * i + c] += through * in[c];
-        w->through[i] = through * (1 - cover);
-    }
+    w->layers->cover(coc_row(w, y), l->x1 - l->x0, l->share, w->nearer, value, weight);
 }
 
-static ddof_status diffuse_layer(work *w, float *pixels, int channels, double from, double to) {
+static void reach_row(void *user, int y, float *value, float *weight) {
+    const work *w = user;
     const layer *l = w->now;
+    w->layers->reach(coc_row(w, y), l->x1 - l->x0, l->share, w->nearer, value, weight);
+}
+
+static ddof_status fill_layer(work *w, int channels, void (*row)(void *user, int y, float *value, float *weight), bool whole,
+                              float *out, ptrdiff_t stride) {
+    const layer *l = w->now;
+    const fill_picture p = {channels, l->x1 - l->x0, l->y1 - l->y0, row, w, whole};
+    return fill_unknown(w->ctx, &p, out, stride, w->rest);
+}
+
+static ddof_status diffuse_layer(work *w, float *first, ptrdiff_t stride, int channels, double from, double to) {
     inner_job i;
-    inner(w, w->job, &i, pixels, channels, l->x0, l->y0, l->x1 - l->x0, l->y1 - l->y0);
-    if (l->focus && i.job.disc) { /* at 2 pixels a disc cannot be told from a bell */
+    inner(w, w->job, &i, first, stride, channels, w->now);
+    if (w->now->focus && i.job.disc) { /* at 2 pixels a disc cannot be told from a bell */
         i.job.disc = NULL;
         i.settings.kernel = DDOF_KERNEL_HEAT;
         i.settings.quality = DDOF_QUALITY_DEFAULT;
@@ -414,48 +445,49 @@ static ddof_status diffuse_layer(work *w, float *pixels, int channels, double fr
     return w->ctx->backend->diffuse(w->ctx, &i.job, w->rest);
 }
 
+/* Lays the layer under work over those behind it, which are the result. */
+static void over_row(work *w, int y, float *room) {
+    const layer *l = w->now;
+    (void)room;
+    if (l->last || y < l->y0 || y >= l->y1) return;
+    const float *cover = w->coverage ? w->coverage + (ptrdiff_t)w->width * y + l->x0 : NULL;
+    w->layers->over(at(w->layer, l->x0, y), cover, at(w->result, l->x0, y), l->x1 - l->x0);
+}
+
 static ddof_status one_layer(work *w, double from, double to) {
     const layer *l = w->now;
-    ddof_status status = rows(w, l->y0, l->y1, split_row);
-    if (status == DDOF_OK && w->nearer) {
-        status = fill_rect(w, w->layer, 4, l->x0, l->y0, l->x1, l->y1);
-        if (status == DDOF_OK && w->coverage) status = fill_rect(w, w->coverage, 1, l->x0, l->y0, l->x1, l->y1);
-    }
-    if (status == DDOF_OK) status = rows(w, l->y0, l->y1, reach_row);
-    if (status == DDOF_OK) status = fill_rect(w, w->reach, 1, l->x0, l->y0, l->x1, l->y1);
-    const bool separate = w->coverage && !l->last;
-    if (status == DDOF_OK) status = diffuse_layer(w, w->layer, 4, from, separate ? (from + to) / 2 : to);
-    if (status == DDOF_OK && separate) status = diffuse_layer(w, w->coverage, 1, (from + to) / 2, to);
-    return status == DDOF_OK ? rows(w, l->y0, l->y1, compose_row) : status;
+    const bool first = l == w->parts, separate = w->coverage && !l->last;
+    const pixels out = l->last ? w->result : w->layer;
+    const ptrdiff_t stride = (ptrdiff_t)sizeof(float) * w->width, begin = (ptrdiff_t)w->width * l->y0 + l->x0;
+    float *rgba = at(out, l->x0, l->y0), *coverage = separate ? w->coverage + begin : NULL;
+    ddof_status status = fill_layer(w, 4, split_row, first, rgba, out.stride);
+    if (status == DDOF_OK && separate) status = fill_layer(w, 1, cover_row, first, coverage, stride);
+    if (status == DDOF_OK) status = fill_layer(w, 1, reach_row, false, w->reach + begin, stride);
+    if (status == DDOF_OK) status = diffuse_layer(w, rgba, out.stride, 4, from, separate ? (from + to) / 2 : to);
+    if (status == DDOF_OK && separate) status = diffuse_layer(w, coverage, stride, 1, (from + to) / 2, to);
+    return status == DDOF_OK && !first ? rows(w, l->y0, l->y1, over_row) : status;
 }
 
 /* ---- the frame */
 
-static void clear_row(work *w, int y, float *room) {
-    const size_t at = (size_t)w->width * (size_t)y;
-    (void)room;
-    memset(w->result + 4 * at, 0, 4 * (size_t)w->width * sizeof(float));
-    for (int x = 0; x < w->width; x++) w->through[at + (size_t)x] = 1;
+static void put_back_held(const work *w, int y, float *rgba, float *room) {
+    float *color = room, *mask = room + 4 * (size_t)w->width;
+    mask_row(w, y, mask);
+    color_row(w, y, color);
+    for (size_t x = 0; x < (size_t)w->width; x++)
+        for (size_t c = 0; c < 4 && mask[x] > 0; c++) {
+            const float held = finite(color[4 * x + c]) ? color[4 * x + c] : rgba[4 * x + c];
+            rgba[4 * x + c] = mask[x] * held + (1 - mask[x]) * rgba[4 * x + c];
+        }
 }
 
+/* The nearest layer goes over the rest as the rows are stored. */
 static void store_row(work *w, int y, float *room) {
-    const size_t n = (size_t)w->width;
-    float *rgba = w->result + 4 * n * (size_t)y, *mask = room, *color = room + n;
-    ddof_image output = w->job->frame->output;
-    image_resolve(&output);
-    output.alpha = DDOF_ALPHA_PREMULTIPLIED;
-    if (w->opaque && w->channels == 4)
-        for (size_t x = 0; x < n; x++) rgba[4 * x + 3] = 1;
-    if (w->held) {
-        mask_row(w, y, mask);
-        color_row(w, y, color);
-        for (size_t x = 0; x < n; x++)
-            for (size_t c = 0; c < 4 && mask[x] > 0; c++) {
-                const float held = finite(color[4 * x + c]) ? color[4 * x + c] : rgba[4 * x + c];
-                rgba[4 * x + c] = mask[x] * held + (1 - mask[x]) * rgba[4 * x + c];
-            }
-    }
-    span_store(&output, 0, y, w->width, rgba, w->straight, w->k);
+    float *rgba = at(w->result, 0, y);
+    over_row(w, y, room);
+    for (ptrdiff_t x = 0; x < w->width && w->opaque && w->channels == 4; x++) rgba[4 * x + 3] = 1;
+    if (w->held) put_back_held(w, y, rgba, room);
+    if (w->result.base != w->output.plane[0].data) span_store(&w->output, 0, y, w->width, rgba, w->straight, w->k);
 }
 
 /* One layer that nothing was taken out of is the picture itself. */
@@ -471,7 +503,13 @@ static ddof_status as_it_is(work *w) {
 }
 
 ddof_status layers_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
-    work w = {.ctx = ctx, .job = job, .k = ctx->kernels->pixels, .straight = job->frame->color.alpha == DDOF_ALPHA_STRAIGHT};
+    work w = {.ctx = ctx, .job = job, .k = ctx->kernels->pixels, .layers = ctx->kernels->layers};
+    w.color = job->frame->color;
+    w.output = job->frame->output;
+    w.straight = w.color.alpha == DDOF_ALPHA_STRAIGHT;
+    w.color.alpha = w.output.alpha = DDOF_ALPHA_PREMULTIPLIED; /* from here on `straight` says it */
+    image_resolve(&w.color);
+    image_resolve(&w.output);
     lay_out(&w, ctx, job, scratch);
     ddof_status status = load(&w);
     if (status == DDOF_OK) status = find_layers(&w);
@@ -479,11 +517,10 @@ ddof_status layers_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
     if (w.count == 1 && !w.held) return as_it_is(&w);
     job->nonfinite_pixels += w.holes;
     if (w.opaque) w.coverage = NULL;
-    status = rows(&w, 0, w.height, clear_row);
-    for (int l = 0; l < w.count && status == DDOF_OK; l++) {
+    for (int l = w.count - 1, done = 0; l >= 0 && status == DDOF_OK; l--, done++) {
         w.now = &w.parts[l];
-        w.nearer = l ? w.now - 1 : NULL;
-        status = one_layer(&w, (double)l / w.count, (l + 1.0) / w.count);
+        w.nearer = l ? w.parts[l - 1].share : nothing;
+        status = one_layer(&w, (double)done / w.count, (done + 1.0) / w.count);
     }
     return status == DDOF_OK ? rows(&w, 0, w.height, store_row) : status;
 }

@@ -12,22 +12,24 @@
     extern const row_kernels row_kernels_##isa;                                                                        \
     extern const column_kernels column_kernels_##isa;                                                                  \
     extern const pixel_kernels pixel_kernels_##isa;                                                                    \
-    extern const disc_kernels disc_kernels_##isa;
-#define TABLE(isa, flag, lanes)                                                                                        \
-    {#isa, flag, lanes, &row_kernels_##isa, &column_kernels_##isa, &pixel_kernels_##isa, &disc_kernels_##isa}
+    extern const disc_kernels disc_kernels_##isa;                                                                      \
+    extern const layer_kernels layer_kernels_##isa;                                                                    \
+    extern const fill_kernels fill_kernels_##isa;
+#define TABLE(isa, name, flag, lanes)                                                                                  \
+    {name, flag, lanes, &row_kernels_##isa, &column_kernels_##isa, &pixel_kernels_##isa, &disc_kernels_##isa,          \
+     &layer_kernels_##isa, &fill_kernels_##isa}
 
 DECLARE(baseline)
 #if defined(__aarch64__)
-const cpu_kernels cpu_kernels_baseline = {"neon", DDOF_CPU_NEON, 4, &row_kernels_baseline, &column_kernels_baseline,
-                                          &pixel_kernels_baseline, &disc_kernels_baseline};
+const cpu_kernels cpu_kernels_baseline = TABLE(baseline, "neon", DDOF_CPU_NEON, 4);
 #else
-const cpu_kernels cpu_kernels_baseline = TABLE(baseline, DDOF_CPU_BASELINE, 4);
+const cpu_kernels cpu_kernels_baseline = TABLE(baseline, "baseline", DDOF_CPU_BASELINE, 4);
 #endif
 #if defined(__x86_64__)
 DECLARE(avx2)
 DECLARE(avx512)
-static const cpu_kernels kernels_avx2 = TABLE(avx2, DDOF_CPU_AVX2, 8);
-static const cpu_kernels kernels_avx512 = TABLE(avx512, DDOF_CPU_AVX512, 16);
+static const cpu_kernels kernels_avx2 = TABLE(avx2, "avx2", DDOF_CPU_AVX2, 8);
+static const cpu_kernels kernels_avx512 = TABLE(avx512, "avx512", DDOF_CPU_AVX512, 16);
 #endif
 
 #if defined(__x86_64__)

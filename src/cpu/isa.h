@@ -16,6 +16,8 @@ extern const row_kernels ISA(row_kernels);
 extern const column_kernels ISA(column_kernels);
 extern const pixel_kernels ISA(pixel_kernels);
 extern const disc_kernels ISA(disc_kernels);
+extern const layer_kernels ISA(layer_kernels);
+extern const fill_kernels ISA(fill_kernels);
 
 /* Of disc_rows.c, for the table in disc_lines.c. */
 bool ISA(disc_forward)(const disc_block *block, const disc_link *link);

@@ -124,6 +124,58 @@ typedef struct disc_kernels {
                    float *out, int count);
 } disc_kernels;
 
+/* ---- layers */
+
+/* What of a pixel belongs to a layer and all nearer ones: smoothstep(offset - gain CoC), 0 to 1. */
+typedef struct layer_share {
+    float gain, offset;
+} layer_share;
+
+enum { NEAR_OCTAVE = 8, NEAR_CLASSES = 20 * NEAR_OCTAVE }; /* of |CoC|, logarithmic, from 1 pixel */
+
+enum { ROW_NOT_FINITE = 1, ROW_TRANSPARENT = 2 };
+
+/* Stage layers (layers.c), a row of `count` pixels at a time. */
+typedef struct layer_kernels {
+    /* ROW_*: whether some value is not finite, some alpha not 1. */
+    int (*inspect)(const float *rgba, const float *coc, int count);
+    /* Counts what is nearer than `least` pixels of CoC by class. */
+    void (*classify)(const float *coc, int count, float least, int *classes);
+    /* The layer's first and last pixel, and its largest |CoC|; false: it has none. */
+    bool (*extent)(const float *coc, int count, layer_share here, layer_share nearer, int *first, int *last, float *widest);
+    /* Takes the layer's part of the source. weight: 0 where something nearer hides it. */
+    void (*split)(const float *source, const float *coc, int count, layer_share here, layer_share nearer, float *part,
+                  float *weight);
+    /* How much of a pixel it covers; the same weight. */
+    void (*cover)(const float *coc, int count, layer_share here, layer_share nearer, float *cover, float *weight);
+    /* Its |CoC|, and 1, where it has pixels; else both 0. */
+    void (*reach)(const float *coc, int count, layer_share here, layer_share nearer, float *reach, float *weight);
+    /* Lays it over what is behind, in place there. cover: NULL: its alpha. */
+    void (*over)(const float *part, const float *cover, float *behind, int count);
+} layer_kernels;
+
+/* A row of a pyramid's level and the two rows of the level above around it. */
+typedef struct fill_rows {
+    int channels, width, width_above; /* channels: 1 or 4 */
+    bool picture;                     /* the row is one of the picture, not yet multiplied by its weights */
+    float share;                      /* of the second row above */
+    const float *value[2], *filled[2], *weight[2];
+} fill_rows;
+
+/* Stage fill (fill.c). */
+typedef struct fill_kernels {
+    /* A row of the level above from one or two rows (else NULL) of `width` pixels. */
+    void (*push)(int channels, int width, bool picture, const float *const value[2], const float *const weight[2],
+                 float *value_above, float *weight_above);
+    /* Fills a row, in place. It and its weights have room for PAD pixels more; room: fill_pull_floats(). */
+    void (*pull)(const fill_rows *rows, float *value, float *weight, float *room);
+} fill_kernels;
+
+static inline size_t fill_pull_floats(int channels, int width) {
+    const size_t n = (size_t)width + 2 * PAD, above = n / 2 + 1 + PAD;
+    return 2 * n + (2 * (size_t)channels + 1) * above;
+}
+
 /* Stages lens and input/output (pixels.c). */
 typedef struct pixel_kernels {
     /* A row of depth values to signed CoC. x, y: position of its first pixel in the whole picture. */
@@ -140,6 +192,8 @@ typedef struct cpu_kernels {
     const column_kernels *columns;
     const pixel_kernels *pixels;
     const disc_kernels *disc;
+    const layer_kernels *layers;
+    const fill_kernels *fill;
 } cpu_kernels;
 
 extern const cpu_kernels cpu_kernels_baseline; /* always there; the others are picked in dispatch.c */

@@ -1,0 +1,207 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Stage fill, a row at a time. Exact IEEE operations, each pixel by itself: all instruction sets agree. */
+#include "isa.h"
+#include "vec.h"
+
+/* Full trust in interpolated means whose weights sum to 1/TRUST or more. */
+#define TRUST 4.0f
+
+enum { CHUNK = 16 /* pixels that are passed over when none lacks anything; a multiple of 2 GROUP */ };
+
+#define INLINE static inline __attribute__((always_inline))
+
+/* ---- push: sums over 2 x 2 pixels, divided where the weights sum to more than 1 */
+
+typedef float pixel __attribute__((vector_size(16)));
+
+INLINE pixel load(const float *p) {
+    pixel v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+INLINE void push_rows(int channels, int width, bool picture, int rows, const float *const value[2],
+                      const float *const weight[2], float *value_above, float *weight_above) {
+    const int pairs = width / 2;
+    const float *w0 = weight[0], *w1 = weight[rows - 1], *v0 = value[0], *v1 = value[rows - 1];
+    for (ptrdiff_t x = 0; x < pairs; x++) {
+        float sum = w0[2 * x] + w0[2 * x + 1];
+        if (rows == 2) sum += w1[2 * x] + w1[2 * x + 1];
+        weight_above[x] = sum;
+    }
+    if (channels == 1) {
+        for (ptrdiff_t x = 0; x < pairs; x++) {
+            const float scale = weight_above[x] > 1 ? 1 / weight_above[x] : 1;
+            const float a = picture ? w0[2 * x] : 1, b = picture ? w0[2 * x + 1] : 1;
+            const float c = picture ? w1[2 * x] : 1, d = picture ? w1[2 * x + 1] : 1;
+            float sum = a * v0[2 * x] + b * v0[2 * x + 1];
+            if (rows == 2) sum += c * v1[2 * x] + d * v1[2 * x + 1];
+            value_above[x] = scale * sum;
+        }
+    } else {
+        for (ptrdiff_t x = 0; x < pairs; x++) {
+            const float scale = weight_above[x] > 1 ? 1 / weight_above[x] : 1;
+            const float a = picture ? w0[2 * x] : 1, b = picture ? w0[2 * x + 1] : 1;
+            const float c = picture ? w1[2 * x] : 1, d = picture ? w1[2 * x + 1] : 1;
+            pixel sum = a * load(v0 + 8 * x) + b * load(v0 + 8 * x + 4);
+            if (rows == 2) sum += c * load(v1 + 8 * x) + d * load(v1 + 8 * x + 4);
+            sum *= scale;
+            memcpy(value_above + 4 * x, &sum, sizeof sum);
+        }
+    }
+    for (ptrdiff_t x = 0; x < pairs; x++) weight_above[x] = weight_above[x] < 1 ? weight_above[x] : 1;
+}
+
+/* The last column of an odd width has no partner. */
+static void push_last(int channels, int width, bool picture, int rows, const float *const value[2],
+                      const float *const weight[2], float *value_above, float *weight_above) {
+    float w[2][2] = {{0}}, v[2][8] = {{0}};
+    for (int r = 0; r < rows; r++) {
+        w[r][0] = weight[r][width - 1];
+        memcpy(v[r], value[r] + (ptrdiff_t)channels * (width - 1), (size_t)channels * sizeof(float));
+    }
+    const float *const values[2] = {v[0], v[1]}, *const weights[2] = {w[0], w[1]};
+    push_rows(channels, 2, picture, 2, values, weights, value_above + (ptrdiff_t)channels * (width / 2),
+              weight_above + width / 2);
+}
+
+static void push(int channels, int width, bool picture, const float *const value[2], const float *const weight[2],
+                 float *value_above, float *weight_above) {
+    const int rows = value[1] ? 2 : 1;
+#define PUSH(c, p, r)                                                                                                  \
+    if (channels == c && picture == p && rows == r) push_rows(c, width, p, r, value, weight, value_above, weight_above)
+    PUSH(1, true, 1);
+    PUSH(1, true, 2);
+    PUSH(1, false, 1);
+    PUSH(1, false, 2);
+    PUSH(4, true, 1);
+    PUSH(4, true, 2);
+    PUSH(4, false, 1);
+    PUSH(4, false, 2);
+#undef PUSH
+    if (width % 2) push_last(channels, width, picture, rows, value, weight, value_above, weight_above);
+}
+
+/* ---- pull: interpolates in the level above, whose pixels are twice as wide: an even pixel has 3/4 of the pixel it is part
+ * of and 1/4 of the one before, an odd pixel 1/4 of the one after */
+
+/* Between two rows, with the first and the last pixel once more at the ends. */
+static void blend(const float *a, const float *b, float share, int channels, int count, float *restrict out) {
+    const size_t pixel_size = (size_t)channels * sizeof(float);
+    float *restrict row = out + channels;
+    const ptrdiff_t n = (ptrdiff_t)channels * count;
+    for (ptrdiff_t i = 0; i < n; i++) row[i] = (1 - share) * a[i] + share * b[i];
+    memcpy(out, row, pixel_size);
+    memcpy(row + n, row + n - channels, pixel_size);
+}
+
+/* What a pixel takes of the means that are known above, and of what these got themselves. */
+typedef struct takes {
+    float known, rest;
+} takes;
+
+INLINE takes take(float weight_above, float weight) {
+    const float lack = 1 - weight, w = weight_above, trust = w * TRUST < 1 ? w * TRUST : 1;
+    const float scale = w > 1e-30f ? trust / w : 0;
+    return (takes){lack * scale, lack * (1 - trust)};
+}
+
+static void take_row(const float *restrict above, const float *restrict weight, int count, float *restrict known,
+                     float *restrict rest) {
+    for (ptrdiff_t i = 0; i < (count + 1) / 2; i++) {
+        const takes even = take(0.25f * above[i] + 0.75f * above[i + 1], weight[2 * i]);
+        const takes odd = take(0.75f * above[i + 1] + 0.25f * above[i + 2], weight[2 * i + 1]);
+        known[2 * i] = even.known, known[2 * i + 1] = odd.known;
+        rest[2 * i] = even.rest, rest[2 * i + 1] = odd.rest;
+    }
+}
+
+typedef struct pull_rows {
+    const float *known, *rest;   /* how much of what is above */
+    const float *value, *filled; /* above, from the pixel before the first */
+    const float *weight;         /* NULL: 1 */
+} pull_rows;
+
+INLINE void pull_one(const pull_rows *r, bool picture, int count, float *restrict row) {
+    const float *restrict v = r->value, *restrict f = r->filled;
+    for (ptrdiff_t i = 0; i < (count + 1) / 2; i++) {
+        const ptrdiff_t x = 2 * i, y = x + 1;
+        const float v0 = 0.25f * v[i] + 0.75f * v[i + 1], v1 = 0.75f * v[i + 1] + 0.25f * v[i + 2];
+        const float f0 = 0.25f * f[i] + 0.75f * f[i + 1], f1 = 0.75f * f[i + 1] + 0.25f * f[i + 2];
+        const float own0 = picture ? r->weight[x] * row[x] : row[x], own1 = picture ? r->weight[y] * row[y] : row[y];
+        row[x] = own0 + (r->known[x] * v0 + r->rest[x] * f0);
+        row[y] = own1 + (r->known[y] * v1 + r->rest[y] * f1);
+    }
+}
+
+/* GROUP even pixels and GROUP odd ones, in order. */
+INLINE void interleave(vfloat a, vfloat b, vfloat out[2]) {
+#if LANES == 16
+    out[0] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+    out[1] = __builtin_shufflevector(a, b, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+#elif LANES == 8
+    out[0] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
+    out[1] = __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+#else
+    out[0] = a, out[1] = b;
+#endif
+}
+
+/* 2 GROUP pixels from the GROUP above, which p points before. */
+INLINE void upsample(const float *p, vfloat out[2]) {
+    const vfloat here = 0.75f * v_load(p + 4);
+    interleave(0.25f * v_load(p) + here, here + 0.25f * v_load(p + 8), out);
+}
+
+INLINE void pull_group(const pull_rows *r, bool picture, ptrdiff_t x, float *row) {
+    vfloat value[2], filled[2];
+    upsample(r->value + 2 * x, value);
+    upsample(r->filled + 2 * x, filled);
+    const vfloat known = v_load(r->known + x), rest = v_load(r->rest + x), weight = picture ? v_load(r->weight + x) : v_set(1);
+#define PULL(k)                                                                                                        \
+    do {                                                                                                               \
+        float *p = row + 4 * x + LANES * (k);                                                                          \
+        const vfloat taken = V_EXPAND(known, k) * value[k] + V_EXPAND(rest, k) * filled[k];                            \
+        v_store(p, (picture ? V_EXPAND(weight, k) * v_load(p) : v_load(p)) + taken);                                   \
+    } while (0)
+    PULL(0);
+    PULL(1);
+#undef PULL
+}
+
+static inline bool lacks(const float *weight, int count) {
+    int32_t any = 0;
+    for (int i = 0; i < count; i++) any |= weight[i] < 1 ? -1 : 0;
+    return any;
+}
+
+INLINE void pull_four(const pull_rows *r, const float *weight, bool picture, int count, float *row) {
+    for (ptrdiff_t x = 0; x < count; x += CHUNK)
+        if (lacks(weight + x, CHUNK))
+            for (ptrdiff_t i = x; i < x + CHUNK; i += 2 * GROUP) pull_group(r, picture, i, row);
+}
+
+static void pull(const fill_rows *rows, float *value, float *weight, float *room) {
+    const int channels = rows->channels, above = rows->width_above;
+    const size_t n = (size_t)rows->width + 2 * PAD, half = n / 2 + 1 + PAD;
+    float *known = room, *rest = known + n, *w = rest + n, *v = w + half, *f = v + half * (size_t)channels;
+    if (!lacks(weight, rows->width)) return;
+    for (int i = 0; i < PAD; i++) weight[rows->width + i] = 1;
+    blend(rows->weight[0], rows->weight[1], rows->share, 1, above, w);
+    blend(rows->value[0], rows->value[1], rows->share, channels, above, v);
+    blend(rows->filled[0], rows->filled[1], rows->share, channels, above, f);
+    take_row(w, weight, rows->width, known, rest);
+    const pull_rows r = {known, rest, v, f, weight};
+    if (channels == 1 && rows->picture)
+        pull_one(&r, true, rows->width, value);
+    else if (channels == 1)
+        pull_one(&r, false, rows->width, value);
+    else if (rows->picture)
+        pull_four(&r, weight, true, rows->width, value);
+    else
+        pull_four(&r, weight, false, rows->width, value);
+}
+
+const fill_kernels ISA(fill_kernels) = {push, pull};
