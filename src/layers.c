@@ -20,7 +20,11 @@
 #include "fill.h"
 #include "image.h"
 
-enum { LAYERS = 4, BAND = 16 /* rows of a task */ };
+enum {
+    LAYERS = 4,
+    BAND = 16, /* rows of a task */
+    GRID = 64  /* rectangles begin at multiples of it: the pyramids of a fill do not shift from frame to frame */
+};
 
 /* CoC between which a pixel goes over from the focus to what is out of it, pixels. Below, blur is hardly seen. */
 #define FOCUS_LEAST 1.0f
@@ -199,27 +203,31 @@ static void mask_row(const work *w, int y, float *mask) {
 }
 
 /* Channels that are missing are 0, alpha is 1. */
-static void color_row(const work *w, int y, float *rgba) {
-    if (image_is_rgba(&w->color) && !w->straight) {
+static void color_row(const work *w, int y, float *rgba, bool multiply) {
+    if (image_is_rgba(&w->color) && !multiply) {
         memcpy(rgba, image_at(&w->color, 0, 0, y), 4 * (size_t)w->width * sizeof *rgba);
         return;
     }
-    span_load(&w->color, 0, y, w->width, rgba, w->straight, w->k);
+    span_load(&w->color, 0, y, w->width, rgba, multiply, w->k);
     for (int x = 0; x < w->width && w->channels < 4; x++) rgba[4 * (size_t)x + 3] = 1;
 }
 
-/* Marks the holes in a row of CoC. */
-static void find_holes(work *w, const float *rgba, float *coc) {
+static bool finite_rgba(const float *p) {
+    return finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]);
+}
+
+/* Marks in a row of CoC the holes and what `mask`, where there is one, holds out entirely. */
+static void find_holes(work *w, const float *rgba, float *coc, const float *mask) {
     int64_t holes = 0;
     int transparent = 0;
     for (int x = 0; x < w->width; x++) {
         const float *p = rgba + 4 * (size_t)x;
-        if (finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]) && finite(coc[x])) {
+        const bool hole = !finite_rgba(p) || !finite(coc[x]);
+        holes += hole;
+        if (hole || (mask && mask[x] == 1))
+            coc[x] = NAN;
+        else
             transparent |= p[3] != 1;
-            continue;
-        }
-        coc[x] = NAN;
-        holes++;
     }
     atomic_fetch_add(&w->holes, holes);
     if (transparent) atomic_store(&w->transparent, 1);
@@ -229,21 +237,22 @@ static void load_row(work *w, int y, float *room) {
     float *coc = w->coc + (size_t)w->width * (size_t)y, *rgba = at(w->source, 0, y);
     frame_job *job = w->job;
     int classes[NEAR_CLASSES] = {0};
-    if (w->source.base == (char *)w->copy) color_row(w, y, rgba);
+    if (w->source.base == (char *)w->copy) color_row(w, y, rgba, w->straight);
     ddof_image map = job->coc_source;
     image_resolve(&map);
     plane_load(&map, 0, 0, y, w->width, coc, w->k);
     if (job->is_depth) w->k->lens(&job->curve, coc, coc, w->width, job->frame->offset_x, y + job->frame->offset_y);
     const int found = w->layers->inspect(rgba, coc, w->width);
-    if (found & ROW_NOT_FINITE)
-        find_holes(w, rgba, coc);
-    else if (found & ROW_TRANSPARENT)
-        atomic_store(&w->transparent, 1);
     if (job->frame->holdout) {
         int64_t held = 0;
         mask_row(w, y, room);
         for (int x = 0; x < w->width; x++) held += room[x] > 0;
         atomic_fetch_add(&w->held, held);
+        find_holes(w, rgba, coc, room);
+    } else if (found & ROW_NOT_FINITE) {
+        find_holes(w, rgba, coc, NULL);
+    } else if (found & ROW_TRANSPARENT) {
+        atomic_store(&w->transparent, 1);
     }
     w->layers->classify(coc, w->width, FOCUS_MOST, classes);
     for (int c = 0; c < NEAR_CLASSES; c++)
@@ -259,7 +268,7 @@ static void known_row(const work *w, int y, float *weight) {
 
 static void known_color(void *user, int y, float *value, float *weight) {
     const work *w = user;
-    color_row(w, y, value);
+    color_row(w, y, value, w->straight);
     known_row(w, y, weight);
     for (int x = 0; x < w->width; x++)
         if (weight[x] == 0) memset(value + 4 * (size_t)x, 0, 4 * sizeof *value);
@@ -362,16 +371,19 @@ static void keep_used(work *w) {
     const double scale = job->disc ? 1 : sqrt(32 * job->row_scale * job->substeps); /* of the width of the kernel */
     const double tall = job->pixel_aspect;
     const bool whole = w->ctx->backend->open != NULL; /* a device keeps surfaces of one size */
-    int count = 0;
+    int count = 0, box[4] = {-INT32_MAX, -INT32_MAX, -1, -1};
     for (int l = 0; l < w->count; l++) {
         layer part = w->parts[l];
-        int box[4], bits = atomic_load(&w->widest[l]);
-        for (int i = 0; i < 4; i++) box[i] = atomic_load(&w->box[l][i]);
-        if (box[2] < 0) continue;
+        int bits = atomic_load(&w->widest[l]);
+        if (atomic_load(&w->box[l][2]) < 0) continue;
+        for (int i = 0; i < 4; i++) { /* and what nearer ones hide, where it is filled */
+            const int own = atomic_load(&w->box[l][i]);
+            box[i] = own > box[i] ? own : box[i];
+        }
         memcpy(&part.widest, &bits, sizeof part.widest);
         const double reach = 1.5 * scale * (double)part.widest + 4;
-        part.x0 = whole ? 0 : clip(-box[0] - reach, 0, w->width);
-        part.y0 = whole ? 0 : clip(-box[1] - reach * tall - 4, 0, w->height);
+        part.x0 = whole ? 0 : clip(-box[0] - reach, 0, w->width) & -GRID;
+        part.y0 = whole ? 0 : clip(-box[1] - reach * tall - 4, 0, w->height) & -GRID;
         part.x1 = whole ? w->width : clip(box[2] + 1 + reach, 0, w->width);
         part.y1 = whole ? w->height : clip(box[3] + 1 + reach * tall + 4, 0, w->height);
         w->parts[count++] = part;
@@ -470,24 +482,37 @@ static ddof_status one_layer(work *w, double from, double to) {
 
 /* ---- the frame */
 
-static void put_back_held(const work *w, int y, float *rgba, float *room) {
-    float *color = room, *mask = room + 4 * (size_t)w->width;
-    mask_row(w, y, mask);
-    color_row(w, y, color);
-    for (size_t x = 0; x < (size_t)w->width; x++)
-        for (size_t c = 0; c < 4 && mask[x] > 0; c++) {
-            const float held = finite(color[4 * x + c]) ? color[4 * x + c] : rgba[4 * x + c];
-            rgba[4 * x + c] = mask[x] * held + (1 - mask[x]) * rgba[4 * x + c];
-        }
+/* `color`: as the caller gave it. The colour of a hole is not used. */
+static void mix_held(const work *w, float mask, const float *color, float *rgba) {
+    const int alpha = w->straight ? w->channels - 1 : -1;
+    if (!(mask > 0) || !finite_rgba(color)) return;
+    for (int c = 0; c < 4; c++)
+        rgba[c] = mask * (c < alpha ? color[c] * color[alpha] : color[c]) + (1 - mask) * rgba[c];
 }
 
-/* The nearest layer goes over the rest as the rows are stored. */
+/* Those held out entirely: the very bits, not multiplied and divided. */
+static void put_back_held(const work *w, int y, const float *mask, const float *color) {
+    for (int x = 0, end; x < w->width; x = end) {
+        for (end = x; end < w->width && mask[end] == 1 && finite_rgba(color + 4 * (size_t)end);) end++;
+        if (end > x)
+            span_store(&w->output, x, y, end - x, color + 4 * (size_t)x, false, w->k);
+        else
+            end++;
+    }
+}
+
 static void store_row(work *w, int y, float *room) {
     float *rgba = at(w->result, 0, y);
     over_row(w, y, room);
     for (ptrdiff_t x = 0; x < w->width && w->opaque && w->channels == 4; x++) rgba[4 * x + 3] = 1;
-    if (w->held) put_back_held(w, y, rgba, room);
+    float *mask = room, *color = room + w->width;
+    if (w->held) {
+        mask_row(w, y, mask);
+        color_row(w, y, color, false);
+        for (ptrdiff_t x = 0; x < w->width; x++) mix_held(w, mask[x], color + 4 * x, rgba + 4 * x);
+    }
     if (w->result.base != w->output.plane[0].data) span_store(&w->output, 0, y, w->width, rgba, w->straight, w->k);
+    if (w->held) put_back_held(w, y, mask, color);
 }
 
 /* One layer that nothing was taken out of is the picture itself. */
