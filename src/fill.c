@@ -29,26 +29,18 @@ typedef struct pyramid {
     level level[LEVELS]; /* 0: the picture, of which nothing is kept */
     int levels, channels;
     int at; /* the level that is being made */
-    char *room;
-    size_t room_bytes; /* per worker */
 } pyramid;
 
-/* Rows under work: two with their weights, and what a pull needs. */
-typedef struct row_room {
-    float *value[2], *weight[2], *pull;
-} row_room;
+/* Pixels under work. */
+typedef struct tile {
+    float value[4 * (FILL_TILE + PAD)], weight[FILL_TILE + PAD];
+} tile;
 
 static size_t align(size_t bytes) {
     return (bytes + 63) / 64 * 64;
 }
 
-static row_room room_of(const pyramid *p, int worker) {
-    const size_t n = (size_t)p->level[0].width + PAD, c = (size_t)p->channels;
-    float *room = (float *)(void *)(p->room + p->room_bytes * (size_t)worker);
-    return (row_room){{room, room + c * n}, {room + 2 * c * n, room + (2 * c + 1) * n}, room + (2 * c + 2) * n};
-}
-
-/* Levels from 1 on, and the workers' rows; with a NULL base only sizes are counted. */
+/* Levels from 1 on; with a NULL base only sizes are counted. */
 static size_t lay_out(pyramid *p, char *base) {
     size_t used = 0;
     for (p->levels = 1; p->levels < LEVELS; p->levels++) {
@@ -64,82 +56,88 @@ static size_t lay_out(pyramid *p, char *base) {
         }
         used += plane * (1 + 2 * c);
     }
-    const size_t c = (size_t)p->channels, width = (size_t)p->level[0].width;
-    p->room = base + used;
-    p->room_bytes = align((2 * (c + 1) * (width + PAD) + fill_pull_floats(p->channels, p->level[0].width)) * sizeof(float));
-    return used + p->room_bytes * (size_t)p->ctx->threads;
+    return used;
 }
 
-size_t fill_bytes(const ddof_context *ctx, int channels, int width, int height) {
-    pyramid p = {.ctx = (ddof_context *)(uintptr_t)ctx, .channels = channels, .level = {{.width = width, .height = height}}};
+size_t fill_bytes(int channels, int width, int height) {
+    pyramid p = {.channels = channels, .level = {{.width = width, .height = height}}};
     return lay_out(&p, NULL);
 }
 
-static float *value_row(const pyramid *p, const level *l, int y) {
-    return l->value + (ptrdiff_t)p->channels * l->width * y;
+static float *value_at(const pyramid *p, const level *l, int x, int y) {
+    return l->value + p->channels * ((ptrdiff_t)l->width * y + x);
 }
 
-static float *filled_row(const pyramid *p, const level *l, int y) {
-    return l->filled + (ptrdiff_t)p->channels * l->width * y;
+static float *filled_at(const pyramid *p, const level *l, int x, int y) {
+    return l->filled + p->channels * ((ptrdiff_t)l->width * y + x);
 }
 
-static float *weight_row(const level *l, int y) {
-    return l->weight + (ptrdiff_t)l->width * y;
+static float *weight_at(const level *l, int x, int y) {
+    return l->weight + (ptrdiff_t)l->width * y + x;
 }
 
 /* ---- push */
 
-static void push_row(const pyramid *p, const row_room *room, int y) {
+static void push_tile(const pyramid *p, int x, int y, int count) {
     const level *from = &p->level[p->at - 1], *to = from + 1;
     const float *value[2] = {NULL, NULL}, *weight[2] = {NULL, NULL};
+    tile made[2];
     for (int i = 0; i < 2 && 2 * y + i < from->height; i++) {
-        value[i] = room->value[i];
-        weight[i] = room->weight[i];
         if (p->at == 1) {
-            p->picture->row(p->picture->user, 2 * y + i, room->value[i], room->weight[i]);
+            p->picture->load(p->picture->user, x, 2 * y + i, count, made[i].value, made[i].weight);
+            value[i] = made[i].value;
+            weight[i] = made[i].weight;
         } else {
-            value[i] = value_row(p, from, 2 * y + i);
-            weight[i] = weight_row(from, 2 * y + i);
+            value[i] = value_at(p, from, x, 2 * y + i);
+            weight[i] = weight_at(from, x, 2 * y + i);
         }
     }
-    p->ctx->kernels->fill->push(p->channels, from->width, p->at == 1, value, weight, value_row(p, to, y), weight_row(to, y));
-}
-
-static void push(void *data, int index, int worker) {
-    const pyramid *p = data;
-    const row_room room = room_of(p, worker);
-    for (int y = index * BAND; y < (index + 1) * BAND && y < p->level[p->at].height; y++) push_row(p, &room, y);
-    if (p->at == 1) context_progress(p->ctx, 0);
+    p->ctx->kernels->fill->push(p->channels, count, p->at == 1, value, weight, value_at(p, to, x / 2, y),
+                                weight_at(to, x / 2, y));
 }
 
 /* ---- pull */
 
-static void pull_row(const pyramid *p, const row_room *room, int y) {
+static void pull_tile(const pyramid *p, int x, int y, int count) {
     const level *here = &p->level[p->at], *above = here + 1;
     const int before = (y - 1) >> 1; /* centres: y + 1/2 of this level is y/2 + 1/4 of the one above */
     const int y0 = before < 0 ? 0 : before, y1 = before + 1 < above->height ? before + 1 : above->height - 1;
-    const size_t bytes = (size_t)p->channels * (size_t)here->width * sizeof(float);
+    const size_t pixel = (size_t)p->channels * sizeof(float), bytes = pixel * (size_t)count;
+    tile t;
     if (p->at == 0) {
-        p->picture->row(p->picture->user, y, room->value[0], room->weight[0]);
+        p->picture->load(p->picture->user, x, y, count, t.value, t.weight);
     } else {
-        memcpy(room->value[0], value_row(p, here, y), bytes);
-        memcpy(room->weight[0], weight_row(here, y), (size_t)here->width * sizeof(float));
+        memcpy(t.value, value_at(p, here, x, y), bytes);
+        memcpy(t.weight, weight_at(here, x, y), (size_t)count * sizeof(float));
     }
     if (!p->picture->whole) {
-        const fill_rows rows = {p->channels, here->width, above->width, p->at == 0, y % 2 ? 0.25f : 0.75f,
-                                {value_row(p, above, y0), value_row(p, above, y1)},
-                                {filled_row(p, above, y0), filled_row(p, above, y1)},
-                                {weight_row(above, y0), weight_row(above, y1)}};
-        p->ctx->kernels->fill->pull(&rows, room->value[0], room->weight[0], room->pull);
+        const fill_tile f = {p->channels, x, count, p->at == 0, above->width, y % 2 ? 0.25f : 0.75f,
+                             {value_at(p, above, 0, y0), value_at(p, above, 0, y1)},
+                             {filled_at(p, above, 0, y0), filled_at(p, above, 0, y1)},
+                             {weight_at(above, 0, y0), weight_at(above, 0, y1)}};
+        p->ctx->kernels->fill->pull(&f, t.value, t.weight);
     }
-    memcpy(p->at ? (void *)filled_row(p, here, y) : p->out + p->stride * y, room->value[0], bytes);
+    memcpy(p->at ? (char *)filled_at(p, here, x, y) : p->out + p->stride * y + pixel * (size_t)x, t.value, bytes);
+}
+
+/* ---- bands of rows */
+
+static void band(const pyramid *p, int index, int width, void (*work)(const pyramid *p, int x, int y, int count)) {
+    for (int y = index * BAND; y < (index + 1) * BAND && y < p->level[p->at].height; y++)
+        for (int x = 0; x < width; x += FILL_TILE) work(p, x, y, width - x < FILL_TILE ? width - x : FILL_TILE);
+    if (p->at < 2) context_progress(p->ctx, 0);
+}
+
+static void push(void *data, int index, int worker) {
+    const pyramid *p = data;
+    (void)worker;
+    band(p, index, p->level[p->at - 1].width, push_tile);
 }
 
 static void pull(void *data, int index, int worker) {
     const pyramid *p = data;
-    const row_room room = room_of(p, worker);
-    for (int y = index * BAND; y < (index + 1) * BAND && y < p->level[p->at].height; y++) pull_row(p, &room, y);
-    if (p->at == 0) context_progress(p->ctx, 0);
+    (void)worker;
+    band(p, index, p->level[p->at].width, pull_tile);
 }
 
 /* Of the single pixel of the coarsest level. */
@@ -162,10 +160,10 @@ static ddof_status run(pyramid *p, ddof_task task) {
 
 /* Of a single pixel. */
 static void fill_pixel(const pyramid *p) {
-    const row_room room = room_of(p, 0);
-    p->picture->row(p->picture->user, 0, room.value[0], room.weight[0]);
-    for (int c = 0; c < p->channels && !(room.weight[0][0] > 0); c++) room.value[0][c] = 0;
-    memcpy(p->out, room.value[0], (size_t)p->channels * sizeof(float));
+    float value[4], weight;
+    p->picture->load(p->picture->user, 0, 0, 1, value, &weight);
+    for (int c = 0; c < p->channels && !(weight > 0); c++) value[c] = 0;
+    memcpy(p->out, value, (size_t)p->channels * sizeof(float));
 }
 
 ddof_status fill_unknown(ddof_context *ctx, const fill_picture *picture, float *out, ptrdiff_t stride, void *scratch) {

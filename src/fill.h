@@ -7,21 +7,21 @@
 
 #include "context.h"
 
-/* A picture whose rows are made as they are needed, which is twice: that costs less than keeping them. */
+/* A picture whose pixels are made as they are needed, which is twice: that costs less than keeping them. */
 typedef struct fill_picture {
     int channels, width, height; /* channels: 1 or 4 */
-    /* Writes row y: interleaved values, finite also where the weight is 0; and how well a pixel is known: 0 not at
-     * all, 1 fully, between a mixture. Any thread. */
-    void (*row)(void *user, int y, float *value, float *weight);
+    /* Writes `count` pixels of row y from x: interleaved values, finite also where the weight is 0; and how well a pixel is
+     * known: 0 not at all, 1 fully, between a mixture. Any thread. */
+    void (*load)(void *user, int x, int y, int count, float *value, float *weight);
     void *user;
     bool whole; /* all weights are 1 */
 } fill_picture;
 
 /* Scratch memory for pictures up to that size. */
-size_t fill_bytes(const ddof_context *ctx, int channels, int width, int height);
+size_t fill_bytes(int channels, int width, int height);
 
 /* Writes weight * value + (1 - weight) * what lies around to `out`, whose rows are `stride` bytes apart. A picture of which
- * nothing is known becomes 0. A row is written after it has been asked for the last time. MEMORY when the caller's loop could
+ * nothing is known becomes 0. A pixel is written after it was loaded for the last time. MEMORY when the caller's loop could
  * not run, CANCELLED. */
 ddof_status fill_unknown(ddof_context *ctx, const fill_picture *picture, float *out, ptrdiff_t stride, void *scratch);
 

@@ -145,7 +145,7 @@ static size_t lay_out(work *w, const ddof_context *ctx, const frame_job *job, ch
     w->coverage = w->channels == 4 ? take(base, &used, n) : NULL;
     w->row = take(base, &used, 5 * wide * (size_t)ctx->threads);
     w->rest = take(base, &used, 0);
-    size_t rest = largest(fill_bytes(ctx, 4, w->width, w->height), ctx->backend->scratch_bytes(ctx, job));
+    size_t rest = largest(fill_bytes(4, w->width, w->height), ctx->backend->scratch_bytes(ctx, job));
     const layer whole = {.x1 = w->width, .y1 = w->height};
     for (int channels = 4; channels > 0; channels -= 3) {
         inner_job i;
@@ -194,23 +194,23 @@ static float clamped(float v) {
     return v > 0 ? v < 1 ? v : 1 : 0; /* what is not a number is 0 */
 }
 
-static void mask_row(const work *w, int y, float *mask) {
-    memset(mask, 0, (size_t)w->width * sizeof *mask);
+static void mask_row(const work *w, int x, int y, int count, float *mask) {
+    memset(mask, 0, (size_t)count * sizeof *mask);
     if (!w->job->frame->holdout) return;
     ddof_image image = *w->job->frame->holdout;
     image_resolve(&image);
-    plane_load(&image, 0, 0, y, w->width, mask, w->k);
-    for (int x = 0; x < w->width; x++) mask[x] = clamped(mask[x]);
+    plane_load(&image, 0, x, y, count, mask, w->k);
+    for (int i = 0; i < count; i++) mask[i] = clamped(mask[i]);
 }
 
 /* Channels that are missing are 0, alpha is 1. */
-static void color_row(const work *w, int y, float *rgba, bool multiply) {
+static void color_row(const work *w, int x, int y, int count, float *rgba, bool multiply) {
     if (image_is_rgba(&w->color) && !multiply) {
-        memcpy(rgba, image_at(&w->color, 0, 0, y), 4 * (size_t)w->width * sizeof *rgba);
+        memcpy(rgba, image_at(&w->color, 0, x, y), 4 * (size_t)count * sizeof *rgba);
         return;
     }
-    span_load(&w->color, 0, y, w->width, rgba, multiply, w->k);
-    for (int x = 0; x < w->width && w->channels < 4; x++) rgba[4 * (size_t)x + 3] = 1;
+    span_load(&w->color, x, y, count, rgba, multiply, w->k);
+    for (int i = 0; i < count && w->channels < 4; i++) rgba[4 * (size_t)i + 3] = 1;
 }
 
 static bool finite_rgba(const float *p) {
@@ -244,7 +244,7 @@ static void load_row(work *w, int y, float *room) {
     float *coc = w->coc + (size_t)w->width * (size_t)y, *rgba = at(w->source, 0, y);
     frame_job *job = w->job;
     int classes[NEAR_CLASSES] = {0};
-    if (w->source.base == (char *)w->copy) color_row(w, y, rgba, w->straight);
+    if (w->source.base == (char *)w->copy) color_row(w, 0, y, w->width, rgba, w->straight);
     ddof_image map = job->coc_source;
     image_resolve(&map);
     plane_load(&map, 0, 0, y, w->width, coc, w->k);
@@ -253,7 +253,7 @@ static void load_row(work *w, int y, float *room) {
     const int found = w->layers->inspect(rgba, coc, w->width);
     if (job->frame->holdout) {
         int64_t held = 0;
-        mask_row(w, y, room);
+        mask_row(w, 0, y, w->width, room);
         for (int x = 0; x < w->width; x++) held += room[x] > 0;
         atomic_fetch_add(&w->held, held);
         find_holes(w, rgba, coc, room);
@@ -268,25 +268,25 @@ static void load_row(work *w, int y, float *room) {
 }
 
 /* What is neither a hole nor held out. */
-static void known_row(const work *w, int y, float *weight) {
-    const float *coc = w->coc + (size_t)w->width * (size_t)y;
-    mask_row(w, y, weight);
-    for (int x = 0; x < w->width; x++) weight[x] = finite(coc[x]) ? 1 - weight[x] : 0;
+static void known_weight(const work *w, int x, int y, int count, float *weight) {
+    const float *coc = w->coc + (ptrdiff_t)w->width * y + x;
+    mask_row(w, x, y, count, weight);
+    for (int i = 0; i < count; i++) weight[i] = finite(coc[i]) ? 1 - weight[i] : 0;
 }
 
-static void known_color(void *user, int y, float *value, float *weight) {
+static void known_color(void *user, int x, int y, int count, float *value, float *weight) {
     const work *w = user;
-    color_row(w, y, value, w->straight);
-    known_row(w, y, weight);
-    for (int x = 0; x < w->width; x++)
-        if (weight[x] == 0) memset(value + 4 * (size_t)x, 0, 4 * sizeof *value);
+    color_row(w, x, y, count, value, w->straight);
+    known_weight(w, x, y, count, weight);
+    for (int i = 0; i < count; i++)
+        if (weight[i] == 0) memset(value + 4 * (size_t)i, 0, 4 * sizeof *value);
 }
 
-static void known_coc(void *user, int y, float *value, float *weight) {
+static void known_coc(void *user, int x, int y, int count, float *value, float *weight) {
     const work *w = user;
-    const float *coc = w->coc + (size_t)w->width * (size_t)y;
-    known_row(w, y, weight);
-    for (int x = 0; x < w->width; x++) value[x] = finite(coc[x]) ? coc[x] : 0;
+    const float *coc = w->coc + (ptrdiff_t)w->width * y + x;
+    known_weight(w, x, y, count, weight);
+    for (int i = 0; i < count; i++) value[i] = finite(coc[i]) ? coc[i] : 0;
 }
 
 /* Where the picture is read and the result made: the caller's memory, where the one is not needed after the other. */
@@ -306,10 +306,10 @@ static ddof_status load(work *w) {
     if (status != DDOF_OK || (!w->holes && !w->held)) return status;
     const ptrdiff_t stride = (ptrdiff_t)sizeof(float) * w->width;
     w->source = (pixels){(char *)w->copy, 4 * stride};
-    fill_picture p = {.channels = 4, .width = w->width, .height = w->height, .row = known_color, .user = w};
+    fill_picture p = {.channels = 4, .width = w->width, .height = w->height, .load = known_color, .user = w};
     status = fill_unknown(w->ctx, &p, w->copy, w->source.stride, w->rest);
     p.channels = 1;
-    p.row = known_coc;
+    p.load = known_coc;
     return status == DDOF_OK ? fill_unknown(w->ctx, &p, w->coc, stride, w->rest) : status;
 }
 
@@ -422,34 +422,33 @@ static ddof_status find_layers(work *w) {
     return status;
 }
 
-/* ---- one layer; its rows begin at x0, y0 */
+/* ---- one layer; its pixels are counted from x0, y0 */
 
-static const float *coc_row(const work *w, int y) {
-    return w->coc + (ptrdiff_t)w->width * (w->now->y0 + y) + w->now->x0;
+static const float *coc_at(const work *w, int x, int y) {
+    return w->coc + (ptrdiff_t)w->width * (w->now->y0 + y) + w->now->x0 + x;
 }
 
-static void split_row(void *user, int y, float *value, float *weight) {
+static void split(void *user, int x, int y, int count, float *value, float *weight) {
     const work *w = user;
     const layer *l = w->now;
-    w->layers->split(at(w->source, l->x0, l->y0 + y), coc_row(w, y), l->x1 - l->x0, l->share, w->nearer, value, weight);
+    w->layers->split(at(w->source, l->x0 + x, l->y0 + y), coc_at(w, x, y), count, l->share, w->nearer, value, weight);
 }
 
-static void cover_row(void *user, int y, float *value, float *weight) {
+static void cover(void *user, int x, int y, int count, float *value, float *weight) {
     const work *w = user;
-    const layer *l = w->now;
-    w->layers->cover(coc_row(w, y), l->x1 - l->x0, l->share, w->nearer, value, weight);
+    w->layers->cover(coc_at(w, x, y), count, w->now->share, w->nearer, value, weight);
 }
 
-static void reach_row(void *user, int y, float *value, float *weight) {
+static void reach(void *user, int x, int y, int count, float *value, float *weight) {
     const work *w = user;
-    const layer *l = w->now;
-    w->layers->reach(coc_row(w, y), l->x1 - l->x0, l->share, w->nearer, value, weight);
+    w->layers->reach(coc_at(w, x, y), count, w->now->share, w->nearer, value, weight);
 }
 
-static ddof_status fill_layer(work *w, int channels, void (*row)(void *user, int y, float *value, float *weight), bool whole,
+static ddof_status fill_layer(work *w, int channels,
+                              void (*make)(void *user, int x, int y, int count, float *value, float *weight), bool whole,
                               float *out, ptrdiff_t stride) {
     const layer *l = w->now;
-    const fill_picture p = {channels, l->x1 - l->x0, l->y1 - l->y0, row, w, whole};
+    const fill_picture p = {channels, l->x1 - l->x0, l->y1 - l->y0, make, w, whole};
     return fill_unknown(w->ctx, &p, out, stride, w->rest);
 }
 
@@ -480,9 +479,9 @@ static ddof_status one_layer(work *w, double from, double to) {
     const pixels out = l->last ? w->result : w->layer;
     const ptrdiff_t stride = (ptrdiff_t)sizeof(float) * w->width, begin = (ptrdiff_t)w->width * l->y0 + l->x0;
     float *rgba = at(out, l->x0, l->y0), *coverage = separate ? w->coverage + begin : NULL;
-    ddof_status status = fill_layer(w, 4, split_row, first, rgba, out.stride);
-    if (status == DDOF_OK && separate) status = fill_layer(w, 1, cover_row, first, coverage, stride);
-    if (status == DDOF_OK) status = fill_layer(w, 1, reach_row, false, w->reach + begin, stride);
+    ddof_status status = fill_layer(w, 4, split, first, rgba, out.stride);
+    if (status == DDOF_OK && separate) status = fill_layer(w, 1, cover, first, coverage, stride);
+    if (status == DDOF_OK) status = fill_layer(w, 1, reach, false, w->reach + begin, stride);
     if (status == DDOF_OK) status = diffuse_layer(w, rgba, out.stride, 4, from, separate ? (from + to) / 2 : to);
     if (status == DDOF_OK && separate) status = diffuse_layer(w, coverage, stride, 1, (from + to) / 2, to);
     return status == DDOF_OK && !first ? rows(w, l->y0, l->y1, over_row) : status;
@@ -515,8 +514,8 @@ static void store_row(work *w, int y, float *room) {
     for (ptrdiff_t x = 0; x < w->width && w->opaque && w->channels == 4; x++) rgba[4 * x + 3] = 1;
     float *mask = room, *color = room + w->width;
     if (w->held) {
-        mask_row(w, y, mask);
-        color_row(w, y, color, false);
+        mask_row(w, 0, y, w->width, mask);
+        color_row(w, 0, y, w->width, color, false);
         for (ptrdiff_t x = 0; x < w->width; x++) mix_held(w, mask[x], color + 4 * x, rgba + 4 * x);
     }
     if (w->result.base != w->output.plane[0].data) span_store(&w->output, 0, y, w->width, rgba, w->straight, w->k);

@@ -87,14 +87,20 @@ static void push(int channels, int width, bool picture, const float *const value
 /* ---- pull: interpolates in the level above, whose pixels are twice as wide: an even pixel has 3/4 of the pixel it is part
  * of and 1/4 of the one before, an odd pixel 1/4 of the one after */
 
-/* Between two rows, with the first and the last pixel once more at the ends. */
-static void blend(const float *a, const float *b, float share, int channels, int count, float *restrict out) {
-    const size_t pixel_size = (size_t)channels * sizeof(float);
-    float *restrict row = out + channels;
-    const ptrdiff_t n = (ptrdiff_t)channels * count;
+enum { ABOVE = FILL_TILE / 2 + 2 + PAD };
+
+/* Between two rows, pixels [x - 1, x + count + 1) of them; the first and the last stand for what is beyond. */
+INLINE void blend(const float *const rows[2], float share, int channels, int x, int count, int width, float *restrict out) {
+    const int first = x > 0 ? x - 1 : 0, end = x + count + 1 < width ? x + count + 1 : width;
+    const float *a = rows[0] + (ptrdiff_t)channels * first, *b = rows[1] + (ptrdiff_t)channels * first;
+    const ptrdiff_t n = (ptrdiff_t)channels * (end - first);
+    float *restrict row = out + (ptrdiff_t)channels * (first - (x - 1));
     for (ptrdiff_t i = 0; i < n; i++) row[i] = (1 - share) * a[i] + share * b[i];
-    memcpy(out, row, pixel_size);
-    memcpy(row + n, row + n - channels, pixel_size);
+    for (int c = 0; c < channels; c++) {
+        const ptrdiff_t last = n - channels + c;
+        if (first == x) out[c] = (1 - share) * a[c] + share * b[c];
+        row[n + c] = (1 - share) * a[last] + share * b[last];
+    }
 }
 
 /* What a pixel takes of the means that are known above, and of what these got themselves. */
@@ -183,25 +189,31 @@ INLINE void pull_four(const pull_rows *r, const float *weight, bool picture, int
             for (ptrdiff_t i = x; i < x + CHUNK; i += 2 * GROUP) pull_group(r, picture, i, row);
 }
 
-static void pull(const fill_rows *rows, float *value, float *weight, float *room) {
-    const int channels = rows->channels, above = rows->width_above;
-    const size_t n = (size_t)rows->width + 2 * PAD, half = n / 2 + 1 + PAD;
-    float *known = room, *rest = known + n, *w = rest + n, *v = w + half, *f = v + half * (size_t)channels;
-    if (!lacks(weight, rows->width)) return;
-    for (int i = 0; i < PAD; i++) weight[rows->width + i] = 1;
-    blend(rows->weight[0], rows->weight[1], rows->share, 1, above, w);
-    blend(rows->value[0], rows->value[1], rows->share, channels, above, v);
-    blend(rows->filled[0], rows->filled[1], rows->share, channels, above, f);
-    take_row(w, weight, rows->width, known, rest);
-    const pull_rows r = {known, rest, v, f, weight};
-    if (channels == 1 && rows->picture)
-        pull_one(&r, true, rows->width, value);
-    else if (channels == 1)
-        pull_one(&r, false, rows->width, value);
-    else if (rows->picture)
-        pull_four(&r, weight, true, rows->width, value);
+INLINE void pull_tile(const fill_tile *t, int channels, bool picture, float *value, const float *weight) {
+    float known[FILL_TILE + 2 * PAD], rest[FILL_TILE + 2 * PAD], above[ABOVE], values[4 * ABOVE], filled[4 * ABOVE];
+    const int x = t->x / 2, count = (t->count + 1) / 2;
+    blend(t->weight, t->share, 1, x, count, t->width_above, above);
+    blend(t->value, t->share, channels, x, count, t->width_above, values);
+    blend(t->filled, t->share, channels, x, count, t->width_above, filled);
+    take_row(above, weight, t->count, known, rest);
+    const pull_rows r = {known, rest, values, filled, weight};
+    if (channels == 1)
+        pull_one(&r, picture, t->count, value);
     else
-        pull_four(&r, weight, false, rows->width, value);
+        pull_four(&r, weight, picture, t->count, value);
+}
+
+static void pull(const fill_tile *tile, float *value, float *weight) {
+    if (!lacks(weight, tile->count)) return;
+    for (int i = 0; i < PAD; i++) weight[tile->count + i] = 1;
+    if (tile->channels == 1 && tile->picture)
+        pull_tile(tile, 1, true, value, weight);
+    else if (tile->channels == 1)
+        pull_tile(tile, 1, false, value, weight);
+    else if (tile->picture)
+        pull_tile(tile, 4, true, value, weight);
+    else
+        pull_tile(tile, 4, false, value, weight);
 }
 
 const fill_kernels ISA(fill_kernels) = {push, pull};

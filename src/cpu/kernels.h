@@ -154,27 +154,25 @@ typedef struct layer_kernels {
     void (*over)(const float *part, const float *cover, float *behind, int count);
 } layer_kernels;
 
-/* A row of a pyramid's level and the two rows of the level above around it. */
-typedef struct fill_rows {
-    int channels, width, width_above; /* channels: 1 or 4 */
-    bool picture;                     /* the row is one of the picture, not yet multiplied by its weights */
-    float share;                      /* of the second row above */
+enum { FILL_TILE = 256 /* pixels of a row that are filled at a time, in the nearest cache */ };
+
+/* A tile of a row of a pyramid's level, and the two rows of the level above around it. */
+typedef struct fill_tile {
+    int channels, x, count; /* channels: 1 or 4; x: even */
+    bool picture;           /* the row is one of the picture, not yet multiplied by its weights */
+    int width_above;
+    float share; /* of the second row above */
     const float *value[2], *filled[2], *weight[2];
-} fill_rows;
+} fill_tile;
 
 /* Stage fill (fill.c). */
 typedef struct fill_kernels {
-    /* A row of the level above from one or two rows (else NULL) of `width` pixels. */
-    void (*push)(int channels, int width, bool picture, const float *const value[2], const float *const weight[2],
+    /* Pixels of the level above from those of one or two rows (else NULL), `count` of them in each. */
+    void (*push)(int channels, int count, bool picture, const float *const value[2], const float *const weight[2],
                  float *value_above, float *weight_above);
-    /* Fills a row, in place. It and its weights have room for PAD pixels more; room: fill_pull_floats(). */
-    void (*pull)(const fill_rows *rows, float *value, float *weight, float *room);
+    /* Fills a tile, in place. It and its weights have room for PAD pixels more. */
+    void (*pull)(const fill_tile *tile, float *value, float *weight);
 } fill_kernels;
-
-static inline size_t fill_pull_floats(int channels, int width) {
-    const size_t n = (size_t)width + 2 * PAD, above = n / 2 + 1 + PAD;
-    return 2 * n + (2 * (size_t)channels + 1) * above;
-}
 
 /* Stages lens and input/output (pixels.c). */
 typedef struct pixel_kernels {

@@ -7,7 +7,7 @@
 #include "isa.h"
 #include "vec.h"
 
-enum { CHUNK = 64 /* pixels between the steps of a loop in two */ };
+enum { CHUNK = 64 /* pixels between the steps of a loop in two */, AHEAD = 2 * CHUNK /* pixels fetched early */ };
 
 /* RGBA. */
 typedef float pixel __attribute__((vector_size(16)));
@@ -62,20 +62,21 @@ static void classify(const float *coc, int count, float from, int *classes) {
 
 /* ---- shares */
 
-static inline float clamped(layer_share s, float coc) {
-    float t = s.offset - s.gain * coc;
-    t = t > 0 ? t : 0;
-    return t < 1 ? t : 1;
+static inline float position(layer_share s, float coc) {
+    return s.offset - s.gain * coc;
 }
 
 static inline float share_of(layer_share s, float coc) {
-    const float t = clamped(s, coc);
+    float t = position(s, coc);
+    t = t > 0 ? t : 0;
+    t = t < 1 ? t : 1;
     return t * t * (3 - 2 * t);
 }
 
-/* Whether anything of the pixel is the layer's. */
+/* Whether anything of the pixel is the layer's. Shares of two layers are never both between 0 and 1. */
 static inline bool own(layer_share here, layer_share nearer, float coc) {
-    return share_of(here, coc) > share_of(nearer, coc);
+    const float seen = 1 - share_of(nearer, coc), owned = position(here, coc) > 0 ? seen : 0;
+    return owned > 0;
 }
 
 static bool extent(const float *coc, int count, layer_share here, layer_share nearer, int *first, int *last, float *widest) {
@@ -101,8 +102,8 @@ static bool extent(const float *coc, int count, layer_share here, layer_share ne
 
 static void cover(const float *coc, int count, layer_share here, layer_share nearer, float *covers, float *weight) {
     for (int i = 0; i < count; i++) {
-        const float hidden = share_of(nearer, coc[i]), seen = 1 - hidden;
-        covers[i] = (share_of(here, coc[i]) - hidden) / (seen > 0 ? seen : 1);
+        const float seen = 1 - share_of(nearer, coc[i]);
+        covers[i] = seen > 0 ? share_of(here, coc[i]) : 0; /* of what is seen: all, where some is hidden */
         /* where it shares a pixel, its colour is that of the pixel, not of what lies around */
         weight[i] = 4 * seen < 1 ? 4 * seen : 1;
     }
@@ -113,6 +114,7 @@ static void split(const float *source, const float *coc, int count, layer_share 
     float covers[CHUNK];
     for (int x = 0; x < count; x += CHUNK) {
         const int n = least(count - x, CHUNK);
+        for (ptrdiff_t i = 0; i < CHUNK; i += 4) __builtin_prefetch(source + 4 * (x + AHEAD + i));
         cover(coc + x, n, here, nearer, covers, weight + x);
         for (ptrdiff_t i = 0; i < n; i++) store(part + 4 * (x + i), covers[i] * load(source + 4 * (x + i)));
     }
