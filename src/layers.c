@@ -37,7 +37,7 @@ enum {
 typedef struct layer {
     layer_share share;
     bool last;           /* behind everything: opaque */
-    bool focus;
+    bool focus, near;
     int x0, y0, x1, y1;  /* the pixels it can reach */
     float widest;        /* |CoC| */
 } layer;
@@ -146,6 +146,7 @@ static size_t lay_out(work *w, const ddof_context *ctx, const frame_job *job, ch
     w->row = take(base, &used, 5 * wide * (size_t)ctx->threads);
     w->rest = take(base, &used, 0);
     size_t rest = largest(fill_bytes(4, w->width, w->height), ctx->backend->scratch_bytes(ctx, job));
+    rest = largest(rest, (wide + 2) * (size_t)w->height * sizeof(float)); /* of spread_near() */
     const layer whole = {.x1 = w->width, .y1 = w->height};
     for (int channels = 4; channels > 0; channels -= 3) {
         inner_job i;
@@ -315,13 +316,19 @@ static ddof_status load(work *w) {
 
 /* ---- which layers there are */
 
+/* The CoC at which a class of the histogram begins: octaves, linear within. Between classes of fractions. */
+static double class_border(double class) {
+    const double octave = floor(class / NEAR_OCTAVE);
+    return exp2(octave) * (1 + class / NEAR_OCTAVE - octave);
+}
+
 /* The CoC that parts what is near into two groups, by Otsu's criterion: the one that makes their means most different. A
  * mean over all CoC, so weighted that nearly only the best count: in a gap it falls in the middle, and it moves smoothly
  * from frame to frame. 0: nothing to part. */
 static float parting(const work *w) {
     double count[NEAR_CLASSES], sum[NEAR_CLASSES], between[NEAR_CLASSES] = {0}, n = 0, s = 0, n0 = 0, s0 = 0, most = 0, weight = 0, mean = 0;
     for (int b = 0; b < NEAR_CLASSES; b++) {
-        const double d = exp2((b + 0.5) / NEAR_OCTAVE);
+        const double d = class_border(b + 0.5);
         count[b] = (double)atomic_load(&w->near_class[b]);
         sum[b] = count[b] * (d < w->width ? d : w->width);
         n += count[b];
@@ -341,7 +348,7 @@ static float parting(const work *w) {
         weight += share;
         mean += share * b;
     }
-    return (float)exp2(mean / weight / NEAR_OCTAVE);
+    return (float)class_border(mean / weight);
 }
 
 /* Between -CoC of `least`, where what is nearer begins to rise, and `most`, where it is all. */
@@ -377,7 +384,9 @@ static int clip(double v, int least, int most) {
 static void keep_used(work *w) {
     const frame_job *job = w->job;
     const double scale = job->disc ? 1 : sqrt(32 * job->row_scale * job->substeps); /* of the width of the kernel */
-    const double tall = job->pixel_aspect;
+    /* widths to where less than 1e-5 is left, so that no light is bright enough to show the rectangle's edge */
+    const bool long_tail = job->disc ? job->settings->quality == DDOF_QUALITY_DRAFT : job->substeps < 3;
+    const double tall = job->pixel_aspect, tail = long_tail ? 2.5 : 1.5;
     const bool whole = w->ctx->backend->open != NULL; /* a device keeps surfaces of one size */
     int count = 0, box[4] = {-INT32_MAX, -INT32_MAX, -1, -1};
     for (int l = 0; l < w->count; l++) {
@@ -389,7 +398,7 @@ static void keep_used(work *w) {
             box[i] = own > box[i] ? own : box[i];
         }
         memcpy(&part.widest, &bits, sizeof part.widest);
-        const double reach = 1.5 * scale * (double)part.widest + 4;
+        const double reach = tail * scale * (double)part.widest + 4;
         part.x0 = whole ? 0 : clip(-box[0] - reach, 0, w->width) & -GRID;
         part.y0 = whole ? 0 : clip(-box[1] - reach * tall - 4, 0, w->height) & -GRID;
         part.x1 = whole ? w->width : clip(box[2] + 1 + reach, 0, w->width);
@@ -410,8 +419,8 @@ static ddof_status find_layers(work *w) {
     w->count = 0;
     if (w->job->settings->layers == DDOF_LAYERS_AUTO) {
         if (parted >= PART_LEAST)
-            w->parts[w->count++] = (layer){.share = rising(parted * (1 - PART_SOFT), parted * (1 + PART_SOFT))};
-        w->parts[w->count++] = (layer){.share = rising(FOCUS_LEAST, FOCUS_MOST)};
+            w->parts[w->count++] = (layer){.share = rising(parted * (1 - PART_SOFT), parted * (1 + PART_SOFT)), .near = true};
+        w->parts[w->count++] = (layer){.share = rising(FOCUS_LEAST, FOCUS_MOST), .near = true};
         w->parts[w->count++] = (layer){.share = rising(-FOCUS_MOST, -FOCUS_LEAST), .focus = true};
     }
     w->parts[w->count++] = (layer){.share = everything, .last = true};
@@ -442,6 +451,32 @@ static void cover(void *user, int x, int y, int count, float *value, float *weig
 static void reach(void *user, int x, int y, int count, float *value, float *weight) {
     const work *w = user;
     w->layers->reach(coc_at(w, x, y), count, w->now->share, w->nearer, value, weight);
+}
+
+/* A link takes the smaller CoC of its ends, so what is near would spread over something less near of its own layer only as
+ * wide as that one does. So around each pixel CoC falls no faster than by 1 a pixel, which a disc's does from its middle
+ * to nothing at twice its rim; surfaces slope less and stay. Two passes over the rectangle, the distance 1 along and
+ * sqrt 2 across (of pixels that are not square: as long as they are). */
+static ddof_status spread_near(work *w) {
+    const layer *l = w->now;
+    const int width = l->x1 - l->x0, height = l->y1 - l->y0;
+    const ptrdiff_t stride = width + 2;
+    const double tall = 1 / w->job->pixel_aspect;
+    const float slope = (float)tall, across = (float)sqrt(1 + tall * tall);
+    float *first = (float *)w->rest + 1;
+    for (int y = 0; y < height; y++) {
+        float *row = first + stride * y;
+        w->layers->reach(coc_at(w, 0, y), width, l->share, w->nearer, row, w->row);
+        row[-1] = row[width] = 0;
+        w->layers->spread(y ? row - stride : NULL, row, width, slope, across, true);
+    }
+    for (int y = height - 1; y >= 0; y--) {
+        float *row = first + stride * y, *out = w->reach + (ptrdiff_t)w->width * (l->y0 + y) + l->x0;
+        w->layers->spread(y < height - 1 ? row + stride : NULL, row, width, slope, across, false);
+        for (int x = 0; x < width; x++) out[x] = out[x] > row[x] ? out[x] : row[x];
+    }
+    context_progress(w->ctx, 0);
+    return w->ctx->cancelled ? DDOF_ERROR_CANCELLED : DDOF_OK;
 }
 
 static ddof_status fill_layer(work *w, int channels,
@@ -482,6 +517,7 @@ static ddof_status one_layer(work *w, double from, double to) {
     ddof_status status = fill_layer(w, 4, split, first, rgba, out.stride);
     if (status == DDOF_OK && separate) status = fill_layer(w, 1, cover, first, coverage, stride);
     if (status == DDOF_OK) status = fill_layer(w, 1, reach, false, w->reach + begin, stride);
+    if (status == DDOF_OK && l->near) status = spread_near(w);
     if (status == DDOF_OK) status = diffuse_layer(w, rgba, out.stride, 4, from, separate ? (from + to) / 2 : to);
     if (status == DDOF_OK && separate) status = diffuse_layer(w, coverage, stride, 1, (from + to) / 2, to);
     return status == DDOF_OK && !first ? rows(w, l->y0, l->y1, over_row) : status;

@@ -150,6 +150,9 @@ typedef struct layer_kernels {
     void (*cover)(const float *coc, int count, layer_share here, layer_share nearer, float *cover, float *weight);
     /* Its |CoC|, and 1, where it has pixels; else both 0. */
     void (*reach)(const float *coc, int count, layer_share here, layer_share nearer, float *reach, float *weight);
+    /* Raises a row to what the row beside it leaves of its values, less `slope` straight and less `across` diagonally; then,
+     * pixel by pixel, forward or backward, to its neighbour's less 1. Both rows have a 0 at either end beyond `count`. */
+    void (*spread)(const float *beside, float *row, int count, float slope, float across, bool forward);
     /* Lays it over what is behind, in place there. cover: NULL: its alpha. */
     void (*over)(const float *part, const float *cover, float *behind, int count);
 } layer_kernels;

@@ -135,4 +135,18 @@ static void over(const float *part, const float *covers, float *behind, int coun
     }
 }
 
-const layer_kernels ISA(layer_kernels) = {inspect, classify, extent, split, cover, reach, over};
+static inline float larger(float a, float b) {
+    return a > b ? a : b;
+}
+
+static void spread(const float *beside, float *restrict row, int count, float slope, float across, bool forward) {
+    for (int x = 0; x < count && beside; x++)
+        row[x] = larger(larger(row[x], beside[x] - slope), larger(beside[x - 1], beside[x + 1]) - across);
+    float before = 0;
+    for (int i = 0; i < count; i++) {
+        float *at = &row[forward ? i : count - 1 - i];
+        *at = before = larger(*at, before - 1);
+    }
+}
+
+const layer_kernels ISA(layer_kernels) = {inspect, classify, extent, split, cover, reach, spread, over};

@@ -198,7 +198,7 @@ static void before_waves(void **state) {
 
 /* ---- something near before what is sharp */
 
-enum { SIDE = 112, FROM = 32, TO = 80, REACH = 30 }; /* of the picture; where the square lies; 2.5 CoC beyond it */
+enum { SIDE = 120, FROM = 36, TO = 84, REACH = 32 }; /* of the picture; where the square lies; 2.7 CoC beyond it */
 static const float square_coc = -12;
 
 /* Channel 0: coverage by the square. 1: what is behind, noise. 2: both. */
@@ -223,7 +223,7 @@ static void check_beside(const scene *s, const char *name) {
             if (x >= FROM && x < TO && y >= FROM && y < TO) continue;
             assert_close(got, want, 4, 1e-5, "%s, %d %d, covered by %g", name, x, y, (double)cover);
             if (x < FROM - REACH || x >= TO + REACH || y < FROM - REACH || y >= TO + REACH)
-                assert_close(got, in, 4, 2e-5, "%s, out of reach, %d %d", name, x, y);
+                assert_close(got, in, 4, 1e-5, "%s, out of reach, %d %d", name, x, y);
         }
 }
 
@@ -242,6 +242,25 @@ static void near_before_sharp(void **state) {
     render_kind(&s, kind, false, 4, false); /* one layer: nothing leaves the square */
     assert_close(at(s.output, &s, FROM - 1, middle), at(s.color, &s, FROM - 1, middle), 4, 1e-5, "%s, one layer", name);
     assert_true(at(s.output, &s, FROM, middle)[0] > 0.9f);
+    scene_free(&s);
+}
+
+/* Only a rectangle around what is near is blurred: where it ends less than 1e-5 of the light is left. */
+static void end_of_reach(void **state) {
+    const int kind = test_parameters(state).value;
+    scene s = scene_make(200, 40, true);
+    for (int i = 0; i < s.width * s.height; i++) {
+        const bool near = i % s.width < 100;
+        s.coc[i] = near ? -20.0f : 0;
+        for (int c = 0; c < 4; c++)
+            s.color[4 * i + c] = near || c == 3;
+    }
+    render_kind(&s, kind, true, 4, false);
+    int end = 199;
+    while (at(s.output, &s, end, 20)[0] == 0)
+        end--;
+    assert_true(end > 110 && end < 198);
+    assert_close(at(s.output, &s, end, 20), &(float){0}, 1, 1e-5, "%s, last at %d", kinds[kind].name, end);
     scene_free(&s);
 }
 
@@ -400,6 +419,7 @@ int main(void) {
         EACH("a lattice before one colour", before_one_colour),
         EACH("a lattice before waves", before_waves),
         EACH("near before sharp", near_before_sharp),
+        EACH("the end of reach", end_of_reach),
         EACH("two near things", two_near),
         EACH("a slanted plane", slanted),
         EACH("colour in proportion to alpha", ratio),
