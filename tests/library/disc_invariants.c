@@ -191,7 +191,7 @@ static void mirrors(const disc_case *c) {
     }
 }
 
-/* Where the CoC varies, mirrored and transposed pictures differ by this much of the range at most (measured: 0.49, of
+/* Where the CoC varies, mirrored and transposed pictures differ by this much of the range at most (measured: 0.47, of
  * noise between -1 and 1). */
 static void order(const disc_case *c) {
     rng r = {76};
@@ -203,7 +203,7 @@ static void order(const disc_case *c) {
         disc_picture_free(&p);
     }
     if (getenv("DISC_FIGURES")) fprintf(stderr, "order of directions: %.3f\n", worst);
-    assert_true(worst <= 0.7);
+    assert_true(worst <= 0.6);
 }
 
 static double dot(const float *a, const float *b, size_t count) {
@@ -235,8 +235,8 @@ static void self_adjoint(const disc_case *c) {
 /* ---- leaving the range */
 
 /* The most a pixel of the result can be, when all pixels lie within -1..1: the largest sum of magnitudes in a row of
- * the matrix, whose columns are the blurs of single pixels. Measured over random CoC: 1.15; sought after by hill
- * climbing: 1.18. */
+ * the matrix, whose columns are the blurs of single pixels. Measured over random CoC: 1.12; sought after by hill
+ * climbing: 1.19. */
 static void gain(const disc_case *c) {
     rng r = {78};
     double most = 0;
@@ -274,7 +274,8 @@ static void noise(const disc_case *c) {
         disc_picture_free(&p);
     }
     if (getenv("DISC_FIGURES")) fprintf(stderr, "noise: %.3f, norm %.3f\n", most, norm);
-    if (!(norm <= 1 + c->backend->tolerance && most <= 1.06)) fail_msg("norm %.4f, largest %.4f", norm, most);
+    if (!(norm <= 1 + c->backend->tolerance && most <= 1.09 + c->backend->tolerance))
+        fail_msg("norm %.4f, largest %.4f", norm, most);
 }
 
 typedef struct ringing {
@@ -286,7 +287,7 @@ typedef struct ringing {
  * middle apart, where a single pixel shows). */
 static void overshoot(const disc_case *c) {
     static const ringing allowed[] = {
-        {DDOF_QUALITY_DRAFT, 0.008, 0.013}, {DDOF_QUALITY_GOOD, 0.005, 0.025}, {DDOF_QUALITY_BEST, 0.003, 0.028}};
+        {DDOF_QUALITY_DRAFT, 0.007, 0.012}, {DDOF_QUALITY_GOOD, 0.004, 0.020}, {DDOF_QUALITY_BEST, 0.003, 0.025}};
     for (int q = 0; q < 3; q++)
         for (int k = 0; k < 4; k++) {
             const double d = (double[]){4, 12, 24, 60}[k];
@@ -313,7 +314,8 @@ static void overshoot(const disc_case *c) {
             if (getenv("DISC_FIGURES"))
                 fprintf(stderr, "%s, d %g: edge %.4f %.4f, light %.4f\n", disc_quality_names[allowed[q].quality], d,
                         -low, high, -dark);
-            if (!(-low <= allowed[q].edge && high <= allowed[q].edge && -dark <= allowed[q].light))
+            const double edge = allowed[q].edge + c->backend->tolerance;
+            if (!(-low <= edge && high <= edge && -dark <= allowed[q].light))
                 fail_msg("%s, d %g: edge %.4f below, %.4f above, light %.4f below",
                          disc_quality_names[allowed[q].quality], d, -low, high, -dark);
         }
