@@ -13,7 +13,7 @@ if ! { [ -f build/build.ninja ] || meson setup build -Dtests=false; } >"$log" 2>
 fi
 mkdir -p out
 build/tools/ddof render samples/row/pinhole.exr -o out/row.exr --camera samples/row/scene.json --render dof_f2.exr \
-    --preview out/row.png
+    --kernel disc --layers auto --preview out/row.png
 echo "picture:            out/row.exr"
 echo "before and after:   out/row.png"
 echo "Against the picture that a real lens took of the same scene (samples/row/dof_f2.exr):"
