@@ -195,6 +195,23 @@ if ls "$scenes"/seq/dof_f1.4.*.exr >/dev/null 2>&1; then
     pulled=$(pull) || fail "the focus pull failed"
     echo "quality: focus pull: $pulled"
 fi
+# The focus alone, over 48 frames of a still picture: from 1.5 m to 12 m, evenly in 1/distance
+pull_still() {
+    for frame in $(seq -w 1 48); do
+        focus=$(awk "BEGIN { print 1 / (1 / 1.5 + ($frame - 1) / 47 * (1 / 12 - 1 / 1.5)) }")
+        # shellcheck disable=SC2086 # words
+        "$ddof" render "$scenes/row/pinhole.exr" -o "$work/still.$frame.exr" --focal-length 85 --fstop 2 --focus "$focus" $1 --quiet &&
+            "$ddof" coc "$scenes/row/pinhole.exr" -o "$work/still.$frame.coc.exr" --focal-length 85 --fstop 2 --focus "$focus" \
+                --quiet || return 1
+    done
+    # shellcheck disable=SC2046
+    "$popping" 48 $(ls "$work"/still.??.exr) $(ls "$work"/still.*.coc.exr) | tail -n 1
+}
+if [ -f "$scenes/row/pinhole.exr" ]; then
+    still=$(pull_still "$pull_options") && still_one=$(pull_still "--kernel disc") || fail "the focus pull of a still picture failed"
+    pulled="$pulled. Of a still picture, \`row\`, over 48 frames: $still (without layers: $still_one)"
+    echo "quality: focus pull of a still picture: $still; without layers: $still_one"
+fi
 
 # --- report
 cat >"$work/about" <<'END'
