@@ -188,7 +188,7 @@ pull() {
     set -- "$scenes"/seq/dof_f1.4.*.exr
     ls "$work"/pull.????.exr >"$work/pulled" && ls "$work"/pull.*.coc.exr >"$work/pulled.coc" || return 1
     # shellcheck disable=SC2046 # words without spaces: mktemp's
-    "$popping" $# $(cat "$work/pulled") "$@" $(cat "$work/pulled.coc") | tail -n 1
+    "$popping" $# $(cat "$work/pulled") "$@" $(cat "$work/pulled.coc") >"$work/popped" && tail -n 1 "$work/popped"
 }
 pulled=
 if ls "$scenes"/seq/dof_f1.4.*.exr >/dev/null 2>&1; then
@@ -205,7 +205,7 @@ pull_still() {
                 --quiet || return 1
     done
     # shellcheck disable=SC2046
-    "$popping" 48 $(ls "$work"/still.??.exr) $(ls "$work"/still.*.coc.exr) | tail -n 1
+    "$popping" 48 $(ls "$work"/still.??.exr) $(ls "$work"/still.*.coc.exr) >"$work/popped" && tail -n 1 "$work/popped"
 }
 if [ -f "$scenes/row/pinhole.exr" ]; then
     still=$(pull_still "$pull_options") && still_one=$(pull_still "--kernel disc") || fail "the focus pull of a still picture failed"

@@ -1,7 +1,7 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* One layer cannot show what lies behind (docs/method.md, section 8). Here a picture becomes up to four, by CoC:
+/* One layer cannot show what lies behind (docs/layers.md). Here a picture becomes up to four, by CoC:
  *     nearest, near   nearer than the focus; parted where their blur falls into two groups
  *     focus           |CoC| below 1 to 2 pixels
  *     far             the rest
@@ -143,7 +143,8 @@ static size_t lay_out(work *w, const ddof_context *ctx, const frame_job *job, ch
     w->reach = take(base, &used, n);
     w->result = take_pixels(w, base, &used);
     w->coverage = w->channels == 4 ? take(base, &used, n) : NULL;
-    w->row = take(base, &used, 5 * wide * (size_t)ctx->threads);
+    /* the caller's loop may use all its workers, also where the backend has one thread */
+    w->row = take(base, &used, 5 * wide * (size_t)(ctx->pool ? ctx->threads : ctx->config.threads));
     w->rest = take(base, &used, 0);
     size_t rest = largest(fill_bytes(4, w->width, w->height), ctx->backend->scratch_bytes(ctx, job));
     rest = largest(rest, (wide + 2) * (size_t)w->height * sizeof(float)); /* of spread_near() */

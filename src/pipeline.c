@@ -7,6 +7,7 @@
  *     layers      the picture taken apart by depth and, at the end, laid together                layers.c, fill.c
  *     conductance how well a link between two pixels conducts, from their CoC                cpu/conductance.h
  *     diffusion   one implicit step along all rows, then along all columns, `substeps` times cpu/rows.c, cpu/columns.c
+ *                 or, of the disc kernel, along diagonals too, with complex numbers                disc.c, cpu/disc_engine.c
  */
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 
 /* The reference backend: every stage in float64, one line at a time, nothing clever. What every other path is checked
- * against; slow and large (40 bytes a pixel of RGBA, 152 with the disc kernel). The rules are those of ddof_render() in
+ * against; slow and large (48 bytes a pixel of RGBA, 152 with the disc kernel). The rules are those of ddof_render() in
  * ddof.h, the disc kernel that of disc.h. */
 #include <complex.h>
 #include <math.h>

@@ -184,7 +184,8 @@ typedef enum ddof_conductance {
 
 typedef enum ddof_kernel {
     DDOF_KERNEL_HEAT = 0, /* real conductance: what a point becomes is a bell */
-    DDOF_KERNEL_DISC = 1  /* complex conductance, whose real part is the even disc that a lens makes (docs/disc.md) */
+    DDOF_KERNEL_DISC = 1  /* complex conductance, whose real part is the even disc that a lens makes (docs/disc.md). Not on GL:
+                             UNSUPPORTED there */
 } ddof_kernel;
 
 /* How close to a disc DDOF_KERNEL_DISC comes; the cost does not depend on the blur. */
@@ -223,7 +224,7 @@ typedef enum ddof_layers {
     DDOF_LAYERS_OFF = 0, /* one layer: sharp things keep their edge by keeping everything behind them from blurring into them */
     DDOF_LAYERS_AUTO = 1 /* near things blur over what is sharp, and what lies behind goes on behind them, where the picture
                             has such things (docs/layers.md). Constants stay; the sum and the range do not hold any more. By
-                            ddof_render() only: recorded GL and Vulkan work diffuses one layer */
+                            ddof_render() only: UNSUPPORTED in recorded GL and Vulkan work */
 } ddof_layers;
 
 typedef struct ddof_settings {
@@ -382,10 +383,10 @@ typedef struct ddof_stats {
  * parallel_for, strides, alignment, in place or not, or earlier calls; they may differ between instruction sets with and
  * without fused multiply-add.
  * With DDOF_KERNEL_DISC the result may leave the range: by 2.5 % of the disc's brightness around a light, 1 % of the step at
- * an edge; the error against float64 is at most 2e-5 of the range. With layers or a holdout the sum is not kept.
+ * an edge, by up to 1.2 times the range where the CoC is noise; the error against float64 is at most 2e-5 of the range. With layers or a holdout the sum is not kept.
  * Non-finite values: a pixel with a non-finite colour channel, a NaN depth or a non-finite CoC is a hole. Its colour is
  * not used: along its row the neighbours fill it by the same diffusion, however sharp they are (along its column where the
- * whole row is holes). A hole without a CoC blurs as its neighbours do. Holes are counted in stats; a picture of holes gives
+ * whole row is holes). With layers or a holdout they fill it from all sides. A hole without a CoC blurs as its neighbours do. Holes are counted in stats; a picture of holes gives
  * zeros. To keep colour where only depth is unknown, replace the NaN depth before the call.
  * Cancelled or failed: `output` holds no picture; in place, the input is lost too when it was cancelled under way.
  * stats may be NULL and is zeroed when the call fails. Errors: INVALID, MEMORY, CANCELLED, UNSUPPORTED, BUSY. */

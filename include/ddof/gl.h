@@ -96,7 +96,8 @@ DDOF_API const char *ddof_gl_error(const ddof_gl *gl);
 /* Issues the draws that blur frame->color into frame->output, and returns: the GPU may work on. Surfaces and programs
  * are made by the first frame of a size and kind, and kept. settings as for ddof_render(), but lens.focus must be
  * DDOF_FOCUS_DISTANCE. Holes are filled as there but not counted. stats may be NULL and is zeroed when the call fails.
- * Errors: INVALID (an argument; a texture of the wrong type), MEMORY, UNSUPPORTED (larger than GL's textures), DEVICE
+ * Errors: INVALID (an argument; a texture of the wrong type), MEMORY, UNSUPPORTED (larger than GL's textures;
+ * DDOF_KERNEL_DISC; layers), DEVICE
  * (the context was lost, or out of its memory: what `output` holds is no picture). A context lost while the GPU still
  * works is the caller's to see, by glGetGraphicsResetStatus() or her next frame. */
 DDOF_API ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings,

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The CPU engine's stages as one instruction set implements them. rows.c, columns.c and pixels.c are compiled
- * once per instruction set; engine.c picks a table and drives it.
+/* The CPU engine's stages as one instruction set implements them. What src/meson.build lists as
+ * kernel_sources is compiled once per instruction set; engine.c, disc_engine.c, ../layers.c and ../fill.c drive it.
  *
  * The engine works on a BLOCK of as many rows as the vectors have lanes: every row is solved, one row per lane, and the
  * column elimination of these rows follows at once, while they are in the cache. */

@@ -398,7 +398,7 @@ static ddof_status check_same(ddof_vulkan_frame *f, const ddof_settings *s) {
     const ddof_solver solver = s->solver == DDOF_SOLVER_DEFAULT ? DDOF_SOLVER_LINE : s->solver;
     const ddof_surface surface = s->surface == DDOF_SURFACE_DEFAULT ? DDOF_SURFACE_RGBA16F : s->surface;
     const disc_kernel *disc = disc_of(s);
-    if (s->layers) return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: not in this version yet");
+    if (s->layers) return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
     if (solver != f->asked || surface != f->surface || disc != f->disc ||
         (f->is_depth && s->depth.kind != f->depth_kind))
         return context_fail(&f->shell, DDOF_ERROR_INVALID,

@@ -324,6 +324,31 @@ static void loop_refused(void **state) {
     picture_free(&p);
 }
 
+static int by_last_worker(void *user, int count, ddof_task task, void *data) {
+    for (int i = 0; i < count; i++)
+        task(data, i, *(const int *)user - 1);
+    return 0;
+}
+
+/* A loop may use all its workers, also where the backend works with one. */
+static void last_worker(void **state) {
+    rng r = {609};
+    int threads = 200;
+    ddof_config config = {.backend = (ddof_backend)test_parameters(state).value,
+                          .threads = threads,
+                          .parallel_for = by_last_worker,
+                          .parallel_user = &threads};
+    for (int i = 0; i < 30; i++) {
+        ddof_context *ctx = NULL;
+        picture p = picture_of(i, &r);
+        ddof_frame frame = frame_of(&p);
+        assert_int_equal(ddof_create(&ctx, &config), DDOF_OK);
+        render(ctx, &frame, &p.settings);
+        DESTROY(ctx);
+        picture_free(&p);
+    }
+}
+
 /* ---- memory */
 
 /* ddof_scratch_bytes() tells what is held; a second frame allocates nothing; every allocation may fail; all is given
@@ -417,6 +442,8 @@ int main(void) {
         {"progress and cancelling", cancelling, false, DDOF_BACKEND_CPU, 0},
         {"progress and cancelling, reference", cancelling, false, DDOF_BACKEND_REFERENCE, 0},
         {"a loop that cannot run", loop_refused, false, 0, 0},
+        {"the last of 200 workers", last_worker, false, DDOF_BACKEND_CPU, 0},
+        {"the last of 200 workers, reference", last_worker, false, DDOF_BACKEND_REFERENCE, 0},
         {"scratch", scratch, false, DDOF_BACKEND_CPU, 0},
         {"scratch, reference", scratch, false, DDOF_BACKEND_REFERENCE, 0},
         {"two contexts at once", at_once, false, 0, 0},

@@ -126,8 +126,7 @@ ddof_settings method(int k, ddof_surface surface) {
     ddof_settings s = {.surface = surface};
     k %= METHODS;
     if (k < SOLVERS) s.solver = solvers[k];
-    if (k >= SOLVERS) s.kernel = DDOF_KERNEL_DISC;
-    if (k >= SOLVERS) s.quality = (ddof_quality)(DDOF_QUALITY_DRAFT + k - SOLVERS);
+    if (k >= SOLVERS) s.kernel = DDOF_KERNEL_DISC; /* of one quality: disc.c has all, and they compile long */
     return s;
 }
 

@@ -74,9 +74,9 @@ void record(ddof_vulkan_frame *frame, VkCommandBuffer commands, const ddof_vulka
 ddof_vulkan_stats set_render(ddof_vulkan *vk, const frame_set *set, const ddof_vulkan_view *view,
                              const ddof_settings *settings);
 
-/* Settings with each of the solvers, then the disc kernel with each quality; and copies with a surface and, of the heat
+/* Settings with each of the solvers, then the disc kernel; and copies with a surface and, of the heat
  * kernel, a conductance and substeps. */
-enum { SOLVERS = 4, METHODS = SOLVERS + 3 };
+enum { SOLVERS = 4, METHODS = SOLVERS + 1 };
 ddof_settings method(int k, ddof_surface surface);
 ddof_settings heat_method(int k, ddof_surface surface, ddof_conductance conductance, int substeps);
 
