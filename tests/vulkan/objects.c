@@ -260,7 +260,7 @@ static void several(void **state) {
  * each component, direction and substep. */
 static void dispatches(void **state) {
     (void)state;
-    static const int disc[] = {2, 8, 16};
+    static const int disc[] = {[DDOF_QUALITY_DEFAULT] = 8, [DDOF_QUALITY_DRAFT] = 2, [DDOF_QUALITY_GOOD] = 8, [DDOF_QUALITY_BEST] = 16};
     for (int k = 0; k < 4 * METHODS; k++) {
         host_memory host = {0};
         allocator memory = {0};
@@ -294,7 +294,7 @@ static void dispatches(void **state) {
                 assert_int_equal(stats.solver, settings.kernel ? DDOF_SOLVER_LINE : settings.solver);
                 assert_non_null(strstr(stats.device, own.properties.deviceName));
                 if (stats.solver != DDOF_SOLVER_LINE) continue;
-                assert_int_equal(stats.dispatches, settings.kernel ? disc[settings.quality - 1] : 2 * substeps);
+                assert_int_equal(stats.dispatches, settings.kernel ? disc[settings.quality] : 2 * substeps);
                 assert_true(stats.pixels_per_thread > 0 && stats.workgroup > 0 && stats.strip > 0);
                 const bool sized = own.size_control.subgroupSizeControl && own.size_control.computeFullSubgroups;
                 if (sized && own.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU)
