@@ -19,6 +19,10 @@ bool image_is_rgba(const ddof_image *image);
 /* A float channel without gaps. */
 bool plane_is_tight(const ddof_plane *plane);
 
+static inline bool finite_value(float v) {
+    return v - v == 0;
+}
+
 static inline void *image_at(const ddof_image *image, int channel, int x, int y) {
     const ddof_plane *p = &image->plane[channel];
     return (char *)p->data + p->row_stride * y + p->pixel_stride * x;

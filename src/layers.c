@@ -188,10 +188,6 @@ static ddof_status rows(work *w, int y0, int y1, void (*row)(work *w, int y, flo
 
 /* ---- the picture */
 
-static bool finite(float v) {
-    return v - v == 0;
-}
-
 static float clamped(float v) {
     return v > 0 ? v < 1 ? v : 1 : 0; /* what is not a number is 0 */
 }
@@ -216,7 +212,7 @@ static void color_row(const work *w, int x, int y, int count, float *rgba, bool 
 }
 
 static bool finite_rgba(const float *p) {
-    return finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]);
+    return finite_value(p[0]) && finite_value(p[1]) && finite_value(p[2]) && finite_value(p[3]);
 }
 
 /* Marks in a row of CoC the holes and what `mask`, where there is one, holds out entirely. */
@@ -225,7 +221,7 @@ static void find_holes(work *w, const float *rgba, float *coc, const float *mask
     int transparent = 0;
     for (int x = 0; x < w->width; x++) {
         const float *p = rgba + 4 * (size_t)x;
-        const bool hole = !finite_rgba(p) || !finite(coc[x]);
+        const bool hole = !finite_rgba(p) || !finite_value(coc[x]);
         holes += hole;
         if (hole || (mask && mask[x] == 1))
             coc[x] = NAN;
@@ -239,7 +235,7 @@ static void find_holes(work *w, const float *rgba, float *coc, const float *mask
 /* So that sums of CoC stay finite; what is no number stays none. */
 static float limited(float coc) {
     const float most = (float)COC_LIMIT;
-    return !finite(coc) ? coc : coc > most ? most : coc < -most ? -most : coc;
+    return !finite_value(coc) ? coc : coc > most ? most : coc < -most ? -most : coc;
 }
 
 static void load_row(work *w, int y, float *room) {
@@ -273,7 +269,7 @@ static void load_row(work *w, int y, float *room) {
 static void known_weight(const work *w, int x, int y, int count, float *weight) {
     const float *coc = w->coc + (ptrdiff_t)w->width * y + x;
     mask_row(w, x, y, count, weight);
-    for (int i = 0; i < count; i++) weight[i] = finite(coc[i]) ? 1 - weight[i] : 0;
+    for (int i = 0; i < count; i++) weight[i] = finite_value(coc[i]) ? 1 - weight[i] : 0;
 }
 
 static void known_color(void *user, int x, int y, int count, float *value, float *weight) {
@@ -288,7 +284,7 @@ static void known_coc(void *user, int x, int y, int count, float *value, float *
     const work *w = user;
     const float *coc = w->coc + (ptrdiff_t)w->width * y + x;
     known_weight(w, x, y, count, weight);
-    for (int i = 0; i < count; i++) value[i] = finite(coc[i]) ? coc[i] : 0;
+    for (int i = 0; i < count; i++) value[i] = finite_value(coc[i]) ? coc[i] : 0;
 }
 
 /* Where the picture is read and the result made: the caller's memory, where the one is not needed after the other. */

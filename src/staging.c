@@ -25,10 +25,6 @@ staging staging_lay_out(frame_job *job, void *scratch) {
                      (uint16_t *)(void *)(p + line(n * 16) + line(n * 4)), 1};
 }
 
-static bool finite(float v) {
-    return v - v == 0;
-}
-
 /* Rows y .. y + rows - 1 as they are, but premultiplied. */
 static void load_rows(const ddof_context *ctx, const frame_job *job, const staging *s, int y, int rows) {
     ddof_image in = job->frame->color;
@@ -49,7 +45,7 @@ void staging_find_gain(const ddof_context *ctx, const frame_job *job, staging *s
         load_rows(ctx, job, s, y, 1);
         for (ptrdiff_t i = 0; i < (ptrdiff_t)width * 4; i++) {
             const float v = fabsf(s->pixels[i]);
-            if (v > most && finite(v)) most = v;
+            if (v > most && finite_value(v)) most = v;
         }
     }
     s->gain = 1;
@@ -61,7 +57,7 @@ void staging_find_gain(const ddof_context *ctx, const frame_job *job, staging *s
 
 /* Whether a value of depth or CoC leaves its pixel without a CoC. */
 static bool unknown(const frame_job *job, float v) {
-    if (!job->is_depth) return !finite(v);
+    if (!job->is_depth) return !finite_value(v);
     return isnan(v) || (job->curve.kind == DDOF_DEPTH_INVERSE && v == INFINITY);
 }
 
@@ -69,7 +65,7 @@ static int64_t mark_holes(const frame_job *job, const staging *s, ptrdiff_t coun
     int64_t holes = 0;
     for (ptrdiff_t i = 0; i < count; i++) {
         float *p = s->pixels + 4 * i;
-        const bool colored = finite(p[0]) && finite(p[1]) && finite(p[2]) && finite(p[3]);
+        const bool colored = finite_value(p[0]) && finite_value(p[1]) && finite_value(p[2]) && finite_value(p[3]);
         for (int c = 0; c < 4; c++)
             p[c] = colored ? p[c] * s->gain : INFINITY;
         holes += !colored || unknown(job, s->map[i]);
@@ -108,7 +104,7 @@ ddof_status staging_coc(ddof_context *ctx, frame_job *job, void *scratch) {
         if (job->is_depth) k->lens(&job->curve, s.map, s.pixels, width, frame->offset_x, y + frame->offset_y);
         const float *coc = job->is_depth ? s.pixels : s.map;
         for (int x = 0; x < width; x++)
-            job->nonfinite_pixels += !finite(coc[x]);
+            job->nonfinite_pixels += !finite_value(coc[x]);
         plane_store(&output, 0, 0, y, width, coc, k);
         if (!context_progress(ctx, 1)) return DDOF_ERROR_CANCELLED;
     }

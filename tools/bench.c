@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "commit.h"
 #include "json.h"
+#include "lens.h"
 #include "message.h"
 #include "session.h"
 
@@ -78,14 +79,16 @@ static const char *type_name(const scene *s) {
     return s->type == DDOF_HALF ? "half" : "float";
 }
 
-static const char *kernel_name(const scene *s) {
-    static const char *const quality[] = {"disc good", "disc draft", "disc good", "disc best"};
-    return s->settings.kernel == DDOF_KERNEL_DISC ? quality[s->settings.quality] : "heat";
+/* "heat", "disc good". */
+static const char *method_name(const scene *s, char *text, size_t size) {
+    const bool disc = s->settings.kernel == DDOF_KERNEL_DISC;
+    snprintf(text, size, "%s%s%s", kernel_name(s->settings.kernel), disc ? " " : "", disc ? quality_name(s->settings.quality) : "");
+    return text;
 }
 
 static int report_json(const scene *s, const session *work, const ddof_stats *stats, const spread *solve,
                        const spread *copy, const spread *ratio, int runs) {
-    char processor[128];
+    char processor[128], method[32];
     processor_name(processor, sizeof processor);
     const double megapixels = (double)s->width * s->height * 1e-6;
     cJSON *object = cJSON_CreateObject();
@@ -99,7 +102,7 @@ static int report_json(const scene *s, const session *work, const ddof_stats *st
     json_text(object, "type", type_name(s));
     json_text(object, "layout", layout_name(s));
     cJSON_AddBoolToObject(object, "in_place", s->in_place);
-    json_text(object, "kernel", kernel_name(s));
+    json_text(object, "kernel", method_name(s, method, sizeof method));
     json_text(object, "backend", backend_name(work->backend));
     json_text(object, "device", stats->device);
     json_integer(object, "threads", stats->threads);
@@ -135,7 +138,7 @@ static int report_human(const scene *s, const session *work, const ddof_stats *s
            copy->three_quarters);
     printf("ratio   %9.2f times the memcpy\n", solve->median / copy->median);
     if (ratio)
-        printf("%-7s %9.2f times the heat kernel, median (quartiles %.2f to %.2f)\n", kernel_name(s) + 5, ratio->median,
+        printf("%-7s %9.2f times the heat kernel, median (quartiles %.2f to %.2f)\n", quality_name(s->settings.quality), ratio->median,
                ratio->quarter, ratio->three_quarters);
     printf("speed   %9.1f megapixels/s\n", pixels * 1e-3 / solve->median);
     printf("scratch %9.2f bytes per pixel (%zu bytes), peak memory of the process %.1f MB\n",
@@ -152,12 +155,8 @@ static int report_human(const scene *s, const session *work, const ddof_stats *s
 static int bench_check(const options *o) {
     static const option_id not_in_table[] = {OPT_SOLVER,   OPT_SHARED_CHAIN, OPT_TYPE,   OPT_LAYOUT,
                                              OPT_CHANNELS, OPT_IN_PLACE,     OPT_KERNEL, OPT_QUALITY};
-    const bool disc = option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT) == DDOF_KERNEL_DISC;
-    if (option_given(o, OPT_QUALITY) && !disc) return fail_usage("--quality: is for --kernel disc; add that");
-    if (option_given(o, OPT_SUBSTEPS) && disc)
-        return fail_usage("--substeps: is not for --kernel disc, whose --quality says how many; leave it out");
-    if (option_given(o, OPT_CONDUCTANCE) && disc)
-        return fail_usage("--conductance: is not for --kernel disc, which has its own; leave it out");
+    const int status = method_check_options(o);
+    if (status) return status;
     if (!option_given(o, OPT_TABLE)) {
         if (option_given(o, OPT_FORMAT)) return fail_usage("--format: is for --table; add --table, or take --json");
         if (option_given(o, OPT_REFERENCE))
@@ -181,13 +180,7 @@ static int bench_session(const options *o, session *work) {
     work->progress = false; /* drawing it would be timed */
     int status = scene_create(&s, o, (int)option_number(o, OPT_SIZE, 1920),
                               option_given(o, OPT_SIZE) ? (int)o->value[OPT_SIZE].number_y : 1080);
-    const bool disc = option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT) == DDOF_KERNEL_DISC;
-    if (disc) {
-        s.settings.kernel = DDOF_KERNEL_DISC;
-        s.settings.substeps = 0;
-        /* the words stand in the order of the library's names, the first of which is 1 */
-        s.settings.quality = (ddof_quality)(option_number(o, OPT_QUALITY, DDOF_QUALITY_GOOD - 1) + 1);
-    }
+    const bool disc = s.settings.kernel == DDOF_KERNEL_DISC;
     if (status == 0) status = measure(&s, work, runs, &stats, &solve, &copy, disc ? &ratio : NULL);
     if (status == 0 && option_given(o, OPT_JSON))
         status = report_json(&s, work, &stats, &solve, &copy, disc ? &ratio : NULL, runs);

@@ -9,6 +9,7 @@
 #include <stdatomic.h>
 
 #include "../context.h"
+#include "../image.h"
 #include "kernels.h"
 
 enum { LINE = 64 /* bytes of a cache line */ };
@@ -55,9 +56,5 @@ int64_t block_find_holes(const cpu_frame *f, cpu_rows *in, const block_room *roo
 
 /* Until `done` is at least `wanted`. False when the frame was cancelled. */
 bool block_wait(const ddof_context *ctx, const atomic_int *done, int wanted);
-
-static inline bool finite_value(float v) {
-    return v - v == 0;
-}
 
 #endif
