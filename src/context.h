@@ -26,8 +26,12 @@ typedef struct frame_job {
     int substeps;
     const disc_kernel *disc; /* NULL: the heat kernel, and the three above are its */
     double pixel_aspect;
+    ddof_method method;       /* SCATTER also where the bokeh is FULL */
+    bool highlights;          /* bokeh HIGHLIGHTS */
+    const struct iris *iris;  /* of sprites; NULL where there are none */
     double focus_distance;    /* as in ddof_stats */
     int64_t nonfinite_pixels; /* out */
+    int64_t sprites, sprites_dropped, sprites_large; /* out, as in ddof_stats */
 } frame_job;
 
 /* The stages a backend implements. Validation is done: it gets nothing it may refuse. */
@@ -37,6 +41,11 @@ typedef struct backend {
     size_t (*scratch_bytes)(const ddof_context *ctx, const frame_job *job);
     ddof_status (*coc)(ddof_context *ctx, frame_job *job, void *scratch);
     ddof_status (*diffuse)(ddof_context *ctx, frame_job *job, void *scratch);
+    /* The other methods; NULL: it has none. */
+    ddof_status (*gaussian)(ddof_context *ctx, frame_job *job, void *scratch);
+    ddof_status (*hexagon)(ddof_context *ctx, frame_job *job, void *scratch);
+    /* job.highlights, with the diffusion between taking and drawing, and DDOF_METHOD_SCATTER. NULL: bokeh.c does it. */
+    ddof_status (*sprites)(ddof_context *ctx, frame_job *job, void *scratch);
     const char *(*device)(const ddof_context *ctx);
     /* Of a backend with a device of its own, else NULL. A stage that fails otherwise than by cancelling has set the error. */
     ddof_status (*open)(ddof_context *ctx);
@@ -54,6 +63,7 @@ struct ddof_context {
     const backend *backend;
     const struct cpu_kernels *kernels;
     void *device;      /* of the backend */
+    struct iris *iris; /* NULL until sprites are asked for */
     thread_pool *pool; /* NULL when the caller runs the loops */
     void *scratch;
     size_t scratch_bytes;
@@ -98,5 +108,8 @@ ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame
                              bool read, double *focus_distance);
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only);
 size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only);
+/* One layer: by the method, and with the sprites, that the job asks for. */
+ddof_status pipeline_blur(ddof_context *ctx, frame_job *job, void *scratch);
+size_t pipeline_blur_bytes(const ddof_context *ctx, const frame_job *job);
 
 #endif

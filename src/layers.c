@@ -146,15 +146,15 @@ static size_t lay_out(work *w, const ddof_context *ctx, const frame_job *job, ch
     /* the caller's loop may use all its workers, also where the backend has one thread */
     w->row = take(base, &used, 5 * wide * (size_t)(ctx->pool ? ctx->threads : ctx->config.threads));
     w->rest = take(base, &used, 0);
-    size_t rest = largest(fill_bytes(4, w->width, w->height), ctx->backend->scratch_bytes(ctx, job));
+    size_t rest = largest(fill_bytes(4, w->width, w->height), pipeline_blur_bytes(ctx, job));
     rest = largest(rest, (wide + 2) * (size_t)w->height * sizeof(float)); /* of spread_near() */
     const layer whole = {.x1 = w->width, .y1 = w->height};
     for (int channels = 4; channels > 0; channels -= 3) {
         inner_job i;
         inner(w, job, &i, NULL, (ptrdiff_t)sizeof(float) * channels * w->width, channels, &whole);
-        rest = largest(rest, ctx->backend->scratch_bytes(ctx, &i.job));
+        rest = largest(rest, pipeline_blur_bytes(ctx, &i.job));
         i.job.disc = NULL;
-        rest = largest(rest, ctx->backend->scratch_bytes(ctx, &i.job));
+        rest = largest(rest, pipeline_blur_bytes(ctx, &i.job));
     }
     return used + rest;
 }
@@ -493,7 +493,7 @@ static ddof_status diffuse_layer(work *w, float *first, ptrdiff_t stride, int ch
         i.settings.quality = DDOF_QUALITY_DEFAULT;
     }
     context_stage(w->ctx, from, to);
-    return w->ctx->backend->diffuse(w->ctx, &i.job, w->rest);
+    return pipeline_blur(w->ctx, &i.job, w->rest);
 }
 
 /* Lays the layer under work over those behind it, which are the result. */
@@ -562,7 +562,7 @@ static ddof_status as_it_is(work *w) {
     const ddof_settings *given = w->job->settings;
     w->job->settings = &plain;
     context_stage(w->ctx, w->ctx->progress_shown, 1);
-    const ddof_status status = w->ctx->backend->diffuse(w->ctx, w->job, w->rest);
+    const ddof_status status = pipeline_blur(w->ctx, w->job, w->rest);
     w->job->settings = given;
     return status;
 }

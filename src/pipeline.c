@@ -8,10 +8,12 @@
  *     conductance how well a link between two pixels conducts, from their CoC                cpu/conductance.h
  *     diffusion   one implicit step along all rows, then along all columns, `substeps` times cpu/rows.c, cpu/columns.c
  *                 or, of the disc kernel, along diagonals too, with complex numbers                disc.c, cpu/disc_engine.c
+ *     bokeh       what is too bright for that, taken out before and drawn after, as the iris's picture   bokeh.c, iris.c
  */
 #include <math.h>
 #include <string.h>
 
+#include "bokeh.h"
 #include "context.h"
 #include "image.h"
 #include "layers.h"
@@ -50,6 +52,8 @@ ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame
     job->column_scale = job->row_scale * aspect * aspect; /* d pixel widths span d * aspect rows */
     job->pixel_aspect = aspect;
     job->disc = settings->kernel == DDOF_KERNEL_DISC ? disc_kernel_pick(settings->quality) : NULL;
+    job->method = settings->bokeh == DDOF_BOKEH_FULL ? DDOF_METHOD_SCATTER : settings->method;
+    job->highlights = settings->bokeh == DDOF_BOKEH_HIGHLIGHTS;
     *focus_distance = 0;
     if (!job->is_depth) return DDOF_OK;
     lens_curve_depth(&job->curve, frame, settings);
@@ -70,15 +74,60 @@ static ddof_status reserve(ddof_context *ctx, size_t bytes) {
     return DDOF_OK;
 }
 
+static bool wants_sprites(const frame_job *job) {
+    return job->highlights || job->method == DDOF_METHOD_SCATTER;
+}
+
+size_t pipeline_blur_bytes(const ddof_context *ctx, const frame_job *job) {
+    return wants_sprites(job) && !ctx->backend->sprites ? bokeh_scratch_bytes(ctx, job) : ctx->backend->scratch_bytes(ctx, job);
+}
+
+ddof_status pipeline_blur(ddof_context *ctx, frame_job *job, void *scratch) {
+    const backend *b = ctx->backend;
+    if (wants_sprites(job)) return (b->sprites ? b->sprites : bokeh_blur)(ctx, job, scratch);
+    if (job->method == DDOF_METHOD_GAUSSIAN) return b->gaussian(ctx, job, scratch);
+    if (job->method == DDOF_METHOD_HEXAGON) return b->hexagon(ctx, job, scratch);
+    return b->diffuse(ctx, job, scratch);
+}
+
+/* Of the context; the image of an iris is read anew each time. */
+static ddof_status make_iris(ddof_context *ctx, frame_job *job) {
+    if (!wants_sprites(job)) return DDOF_OK;
+    if (!ctx->iris) {
+        ctx->iris = ctx->config.allocate(ctx->config.memory_user, sizeof *ctx->iris);
+        if (!ctx->iris) return context_fail(ctx, DDOF_ERROR_MEMORY, "out of memory: %zu bytes for the iris", sizeof *ctx->iris);
+        ctx->iris->made = false;
+    }
+    if (!iris_make(ctx->iris, &job->settings->iris, job->pixel_aspect, ctx->kernels->sprites))
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.iris.image lets no light through: all of it is 0, below, or not a number");
+    job->iris = ctx->iris;
+    return DDOF_OK;
+}
+
+/* Whether the backend does what the job asks for. */
+static ddof_status check_method(ddof_context *ctx, const frame_job *job) {
+    const backend *b = ctx->backend;
+    if (job->disc && !b->disc)
+        return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.kernel: this backend has no disc kernel, take another one");
+    if ((job->method == DDOF_METHOD_GAUSSIAN && !b->gaussian) || (job->method == DDOF_METHOD_HEXAGON && !b->hexagon))
+        return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.method: only the CPU and GL backends have this one");
+    return DDOF_OK;
+}
+
 size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only) {
-    return !coc_only && layers_wanted(job) ? layers_scratch_bytes(ctx, job) : ctx->backend->scratch_bytes(ctx, job);
+    if (coc_only) return ctx->backend->scratch_bytes(ctx, job);
+    return layers_wanted(job) ? layers_scratch_bytes(ctx, job) : pipeline_blur_bytes(ctx, job);
 }
 
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
-    if (job->disc && !coc_only && !ctx->backend->disc)
-        return context_fail(ctx, DDOF_ERROR_UNSUPPORTED, "settings.kernel: this backend has no disc kernel, take another one");
-    if (coc_only) job->disc = NULL; /* nothing is diffused */
-    ddof_status status = reserve(ctx, pipeline_scratch_bytes(ctx, job, coc_only));
+    ddof_status status = coc_only ? DDOF_OK : check_method(ctx, job);
+    if (coc_only) { /* nothing is blurred */
+        job->disc = NULL;
+        job->method = DDOF_METHOD_DIFFUSION;
+        job->highlights = false;
+    }
+    if (status == DDOF_OK) status = make_iris(ctx, job);
+    if (status == DDOF_OK) status = reserve(ctx, pipeline_scratch_bytes(ctx, job, coc_only));
     if (status != DDOF_OK) return status;
     context_stage(ctx, 0, 1);
     ctx->progress_shown = 0;
@@ -87,10 +136,14 @@ ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
     if (status == DDOF_OK)
         status = coc_only             ? ctx->backend->coc(ctx, job, ctx->scratch)
                  : layers_wanted(job) ? layers_diffuse(ctx, job, ctx->scratch)
-                                      : ctx->backend->diffuse(ctx, job, ctx->scratch);
+                                      : pipeline_blur(ctx, job, ctx->scratch);
     if (status == DDOF_ERROR_CANCELLED) return context_fail(ctx, status, "cancelled by the progress callback");
     if (status != DDOF_OK && ctx->error[0]) return status;
     if (status != DDOF_OK) return context_fail(ctx, status, "the parallel_for callback could not run its tasks");
+    if (job->sprites_dropped > 0)
+        context_log(ctx, DDOF_LOG_WARNING,
+                    "%lld highlights were left to diffusion: sprites.max_sprites or max_area does not suffice for them",
+                    (long long)job->sprites_dropped);
     if (job->nonfinite_pixels > 0)
         context_log(ctx, DDOF_LOG_WARNING, "%lld pixels were not finite and were filled by their neighbours",
                     (long long)job->nonfinite_pixels);

@@ -227,6 +227,89 @@ typedef enum ddof_layers {
                             ddof_render() only: UNSUPPORTED in recorded GL and Vulkan work */
 } ddof_layers;
 
+/* How a picture is blurred. The last three are the classical ones, kept for comparison (docs/methods.md): on the CPU and GL
+ * backends, UNSUPPORTED on the others, but for SCATTER, which Vulkan has too. Kernel, quality, conductance, substeps and solver
+ * are DIFFUSION's alone. */
+typedef enum ddof_method {
+    DDOF_METHOD_DIFFUSION = 0,
+    DDOF_METHOD_GAUSSIAN = 1, /* separable Gaussian, sigma |CoC|/4, of taps weighted by their own CoC */
+    DDOF_METHOD_HEXAGON = 2,  /* three sheared box passes along the sides of a hexagon (Frostbite 2, 2011) */
+    DDOF_METHOD_SCATTER = 3   /* the same as DDOF_BOKEH_FULL */
+} ddof_method;
+
+/* Sprites: pixels drawn as the picture of the iris that they are out of focus (docs/bokeh.md). */
+typedef enum ddof_bokeh {
+    DDOF_BOKEH_OFF = 0,        /* diffusion alone */
+    DDOF_BOKEH_HIGHLIGHTS = 1, /* what of a pixel is brighter than sprites.threshold is taken out of the picture before it is
+                                  blurred, and drawn afterwards with the same sum. Needs DDOF_METHOD_DIFFUSION */
+    DDOF_BOKEH_FULL = 2        /* every pixel out of focus is drawn; nothing is diffused. Far, in focus and near are gathered by
+                                  themselves and laid over each other. The cost grows with the square of the CoC */
+} ddof_bokeh;
+
+typedef enum ddof_resolution {
+    DDOF_RESOLUTION_DEFAULT = 0, /* HIGHLIGHTS: FULL; DDOF_BOKEH_FULL: HALF */
+    DDOF_RESOLUTION_FULL = 1,
+    DDOF_RESOLUTION_HALF = 2     /* sprites are added up in a picture of half the size, rounded up, which is then interpolated */
+} ddof_resolution;
+
+/* How the Vulkan backend appends and draws sprites; the pictures are the same. For comparison: others ignore it. */
+typedef enum ddof_append {
+    DDOF_APPEND_DEFAULT = 0,  /* COUNTER */
+    DDOF_APPEND_COUNTER = 1,  /* a workgroup counts its sprites and adds them to a counter at once; the counter is copied to the
+                                 draw's arguments */
+    DDOF_APPEND_ARGUMENTS = 2 /* every sprite is one atomic addition to the draw's arguments themselves */
+} ddof_append;
+typedef enum ddof_quads {
+    DDOF_QUADS_DEFAULT = 0,   /* INSTANCED */
+    DDOF_QUADS_INSTANCED = 1, /* a quad an instance, expanded in the vertex shader */
+    DDOF_QUADS_GEOMETRY = 2   /* points, expanded by a geometry shader: UNSUPPORTED where the device has or enables none */
+} ddof_quads;
+
+/* Which pixels become sprites. With v the largest of a pixel's R, G and B (fewer channels: of those), it is a highlight where
+ * v > threshold; (v - threshold) / v of its colour is taken, alpha stays. Its CoC is that of the brightest pixel at most 2
+ * pixels away. Below 2 pixels of |CoC| nothing is taken, from 4 on all, and again nothing near and beyond `limit`.
+ * A sprite farther than what is seen at a pixel does not cover it: light that falls on something nearer, or out of the
+ * picture, is lost, as in a lens. */
+typedef struct ddof_sprites {
+    double threshold;           /* scene-linear, > 0; 0: 1. Of HIGHLIGHTS */
+    double limit;               /* HIGHLIGHTS: pixels of a larger CoC are left to diffusion; FULL: CoC is limited to it. Fraction of
+                                   the picture's width, 0 to 1, and at most 4096 pixels; 0: 0.25 */
+    int max_sprites;            /* HIGHLIGHTS: 1 to 2^20; 0: 65536. Where there are more highlights, or their areas add up to more
+                                   than `max_area`, the threshold is raised until they do not: the brightest stay, and what is no
+                                   longer above it is diffused. So no light is lost, and memory and time are bounded */
+    int max_area;               /* HIGHLIGHTS: sum of CoC^2, in pixels of the picture's, 1 to 1024; 0: 16 times the picture */
+    ddof_resolution resolution;
+    ddof_append append;         /* Vulkan only */
+    ddof_quads quads;           /* Vulkan only */
+    int reserved_int;           /* must be 0 */
+    uint64_t reserved[4];
+} ddof_sprites;
+
+typedef enum ddof_iris_shape {
+    DDOF_IRIS_DISC = 0,
+    DDOF_IRIS_POLYGON = 1, /* of `blades` corners on the circle of the CoC */
+    DDOF_IRIS_IMAGE = 2    /* what `image` shows */
+} ddof_iris_shape;
+
+/* The iris as a sprite shows it, of a light behind the focus; before the focus it is turned by 180 degrees. */
+typedef struct ddof_iris {
+    ddof_iris_shape shape;
+    int blades;          /* POLYGON: 3 to 64, no default. Else 0 */
+    double rotation;     /* degrees, counter-clockwise as seen in the picture, -3600 to 3600; 0: a corner points right, the image is
+                            upright */
+    double curvature;    /* POLYGON: of its sides, 0 straight to 1 a disc */
+    double edge;         /* spherical aberration, -1 to 1: brightness goes as 1 + edge (2 r^2 - 1), r = 1 the rim; of lights before the
+                            focus with the other sign. 0: even */
+    double cats_eye;     /* 0 to 1: in the corner of the picture the iris is cut by a circle of its size, so many radii towards the
+                            middle (before the focus: away from it). 0: nowhere. What is left has all the light */
+    double squeeze;      /* anamorphic: the iris is so many times as tall as wide, 1 to 4; 0: 1. Its height is the CoC */
+    double fringe;       /* axial colour, -0.5 to 0.5: behind the focus red is larger and blue smaller by this fraction, before it the
+                            other way round. Each keeps its light. 0: none */
+    ddof_image image;    /* IMAGE: 1 channel, how much light passes, >= 0; the CoC is its longer side, and it is laid down in the middle.
+                            1 to 4096 pixels a side. Not a number, or below 0, counts as 0; all of it 0 is INVALID. Read during the call */
+    uint64_t reserved[4];
+} ddof_iris;
+
 typedef struct ddof_settings {
     ddof_lens lens;               /* not used when frame.coc is given */
     ddof_depth depth;             /* not used when frame.coc is given */
@@ -239,6 +322,10 @@ typedef struct ddof_settings {
     ddof_kernel kernel;           /* default DDOF_KERNEL_HEAT */
     ddof_quality quality;         /* DDOF_KERNEL_DISC only, else 0 */
     ddof_layers layers;           /* default DDOF_LAYERS_OFF */
+    ddof_method method;           /* default DDOF_METHOD_DIFFUSION */
+    ddof_bokeh bokeh;             /* default DDOF_BOKEH_OFF */
+    ddof_sprites sprites;         /* looked at unless bokeh is OFF */
+    ddof_iris iris;               /* likewise; defaults are those of an even disc */
     uint64_t reserved[5];
 } ddof_settings;
 
@@ -371,7 +458,10 @@ typedef struct ddof_stats {
     int threads;              /* workers used */
     size_t surface_bytes;     /* of the GPU's surfaces it holds, beyond the picture, depth and result; 0: no GPU */
     const char *device;       /* what did the work, e.g. "avx512"; lives until ddof_destroy() */
-    uint64_t reserved[7];     /* written as 0 */
+    int64_t sprites;          /* drawn; with layers in all of them */
+    int64_t sprites_dropped;  /* highlights that sprites.max_sprites or max_area left to diffusion */
+    int64_t sprites_large;    /* highlights whose CoC is beyond sprites.limit: left to diffusion, too */
+    uint64_t reserved[4];     /* written as 0 */
 } ddof_stats;
 
 /* Blurs frame->color into frame->output as the lens would have.

@@ -14,10 +14,11 @@
     extern const pixel_kernels pixel_kernels_##isa;                                                                    \
     extern const disc_kernels disc_kernels_##isa;                                                                      \
     extern const layer_kernels layer_kernels_##isa;                                                                    \
-    extern const fill_kernels fill_kernels_##isa;
+    extern const fill_kernels fill_kernels_##isa;                                                                      \
+    extern const sprite_kernels sprite_kernels_##isa;
 #define TABLE(isa, name, flag, lanes)                                                                                  \
     {name, flag, lanes, &row_kernels_##isa, &column_kernels_##isa, &pixel_kernels_##isa, &disc_kernels_##isa,          \
-     &layer_kernels_##isa, &fill_kernels_##isa}
+     &layer_kernels_##isa, &fill_kernels_##isa, &sprite_kernels_##isa}
 
 DECLARE(baseline)
 #if defined(__aarch64__)

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 
 /* The CPU engine's stages as one instruction set implements them. What src/meson.build lists as
- * kernel_sources is compiled once per instruction set; engine.c, disc_engine.c, ../layers.c and ../fill.c drive it.
+ * kernel_sources is compiled once per instruction set; engine.c, disc_engine.c, ../layers.c, ../fill.c and ../bokeh.c drive it.
  *
  * The engine works on a BLOCK of as many rows as the vectors have lanes: every row is solved, one row per lane, and the
  * column elimination of these rows follows at once, while they are in the cache. */
@@ -177,6 +177,21 @@ typedef struct fill_kernels {
     void (*pull)(const fill_tile *tile, float *value, float *weight);
 } fill_kernels;
 
+struct iris;
+struct iris_row;
+
+/* Stage bokeh (sprites.c). */
+typedef struct sprite_kernels {
+    /* The largest R, G or B, whichever of the first `colors` channels there are, that is a number; -infinity when none is. */
+    float (*brightest)(const float *rgba, int count, int colors);
+    /* A row of a sprite's mask, not divided by its sum (iris.h). */
+    void (*mask)(const struct iris *iris, const struct iris_row *row, int count, float *mask);
+    /* rgba += mask * visible(coc, sprite_coc) * color, pixel by pixel, `coc_step` values of coc to a pixel; weight, where not
+     * NULL: the same of 1. */
+    void (*add)(float *rgba, float *weight, const float *mask, const float *coc, int coc_step, int count, float sprite_coc,
+                const float color[4], float one);
+} sprite_kernels;
+
 /* Stages lens and input/output (pixels.c). */
 typedef struct pixel_kernels {
     /* A row of depth values to signed CoC. x, y: position of its first pixel in the whole picture. */
@@ -195,6 +210,7 @@ typedef struct cpu_kernels {
     const disc_kernels *disc;
     const layer_kernels *layers;
     const fill_kernels *fill;
+    const sprite_kernels *sprites;
 } cpu_kernels;
 
 extern const cpu_kernels cpu_kernels_baseline; /* always there; the others are picked in dispatch.c */

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The ddof authors
+// SPDX-License-Identifier: MIT
+
+// Which pixels become sprites, and over what they are seen: the formulas of src/bokeh.h. Whoever includes this has coc.glsl's is_finite().
+
+const float BOKEH_LEAST = 2.0, BOKEH_WHOLE = 4.0, BOKEH_EMPTY = 1e-6;
+const int BOKEH_REACH = 2, BOKEH_BINS = 512;
+const float BOKEH_BIN_OCTAVE = 16.0;
+
+// How much of a pixel of CoC d is a sprite.
+float bokeh_share(float d) {
+    return smoothstep(BOKEH_LEAST, BOKEH_WHOLE, abs(d));
+}
+
+float bokeh_brightness(vec3 color) {
+    return max(color.r, max(color.g, color.b));
+}
+
+int bokeh_bin(float v, float threshold) {
+    return clamp(int(floor(log2(v / threshold) * BOKEH_BIN_OCTAVE)), 0, BOKEH_BINS - 1);
+}
+
+float bokeh_edge(int bin, float threshold) {
+    return threshold * exp2(float(bin) / BOKEH_BIN_OCTAVE);
+}
+
+float bokeh_visible(float p, float s) {
+    float ratio = s > 0.0 ? p / s : p >= s ? 1.0 : s / p;
+    return smoothstep(0.25, 0.75, ratio);
+}

@@ -1,0 +1,76 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Stage bokeh: what is too bright for diffusion is taken out of the picture before, and drawn as sprites after it; or every
+ * pixel is drawn (docs/bokeh.md). What is below is one definition for all backends, in GLSL in shaders/include/bokeh.glsl; bokeh.c
+ * does it on the CPU, for the backends that have no sprites of their own.
+ *
+ * HIGHLIGHTS
+ *   candidate  v = max(R, G, B) finite, v > threshold. d = the CoC of the pixel with the largest v at most 2 rows and columns away, the
+ *              first in reading order of equals, among those whose colour and CoC are finite. a = smoothstep(2, 4, |d|); none where a = 0, or where
+ *              |d| > limit (counted as large).
+ *   budget     the threshold is the lowest edge >= threshold of a bin, 16 to the octave of v/threshold, 512 bins, above which there are at
+ *              most max_sprites candidates with a sum of d^2 of at most max_area times the picture's pixels.
+ *   taken      colour * a * (v - raised threshold)/v, from R, G and B.
+ *   drawn      added, each pixel times visible(d of the pixel, d of the sprite).
+ * FULL
+ *   every pixel with finite colour and CoC and |d| >= 2, limited to `limit`, is a sprite of its R, G, B, A, and of 1, times
+ *   smoothstep(2, 4, |d|); near ones (d < 0) and far ones are summed by themselves, times visible(). With F, N the two sums of colour, f, n of 1,
+ *   and t = smoothstep(2, 4, |d|) of the pixel's own CoC d:
+ *       base = mix(colour, F/f, t) where d > 0 and f > 1e-6;  mix(colour, N/n, t) where d < 0 and n > 1e-6
+ *       out  = mix(base, N/n, min(n, 1)) where n > 1e-6
+ * HALF resolution: a sprite's middle lies at (x/2 - 1/4, y/2 - 1/4), in pixels of the target counted from their middles, its diameter is half as
+ * large. visible() takes the CoC of the pixel (2X, 2Y). Sums are divided by 4 and interpolated bilinearly, at the borders from inside. */
+#ifndef DDOF_BOKEH_H
+#define DDOF_BOKEH_H
+
+#include "context.h"
+#include "iris.h"
+
+enum {
+    BOKEH_BIN_OCTAVE = 16,
+    BOKEH_BINS = 512,
+    BOKEH_REACH = 2 /* rows and columns to look for the brightest pixel */
+};
+#define BOKEH_LEAST 2.0f /* |CoC| where sprites begin, and where they are all there */
+#define BOKEH_WHOLE 4.0f
+#define BOKEH_EMPTY 1e-6f
+
+/* What the settings ask for, defaults filled in. */
+typedef struct bokeh_limits {
+    float threshold; /* scene-linear */
+    float largest;   /* |CoC|, pixels */
+    int max_sprites;
+    double max_area; /* sum of d^2, square pixels */
+    bool half;       /* resolution */
+} bokeh_limits;
+
+typedef struct bokeh_sprite {
+    int x, y;
+    float coc;      /* signed */
+    float color[4]; /* alpha: of FULL */
+} bokeh_sprite;
+
+bokeh_limits bokeh_limits_of(const frame_job *job);
+
+/* The bin of v > threshold, and a bin's lower edge. */
+int bokeh_bin(float v, float threshold);
+float bokeh_edge(int bin, float threshold);
+
+/* The threshold that keeps within the limits. count, area: of the candidates in each bin. dropped: how many it leaves out. */
+float bokeh_raise(const bokeh_limits *limits, const int64_t count[BOKEH_BINS], const double area[BOKEH_BINS], int64_t *dropped);
+
+/* How much of a sprite of CoC s is seen over something of CoC p: all, unless that is nearer; then it counts how alike they are blurred. */
+static inline float bokeh_visible(float p, float s) {
+    float ratio = s > 0 ? p / s : p >= s ? 1.0f : s / p;
+    float t = (ratio - 0.25f) * 2;
+    t = t > 0 ? t : 0;
+    t = t < 1 ? t : 1;
+    return t * t * (3 - 2 * t);
+}
+
+/* In the place of backend.diffuse, where the job asks for sprites and the backend has none of its own. */
+ddof_status bokeh_blur(ddof_context *ctx, frame_job *job, void *scratch);
+size_t bokeh_scratch_bytes(const ddof_context *ctx, const frame_job *job);
+
+#endif

@@ -1,0 +1,182 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+#include "iris.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "image.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* ---- what is asked for */
+
+static bool within(double v, double least, double most) {
+    return v >= least && v <= most;
+}
+
+static const char *check_image(const ddof_iris *s) {
+    const ddof_image *i = &s->image;
+    if (s->shape != DDOF_IRIS_IMAGE) return i->channels ? "iris.image is for DDOF_IRIS_IMAGE: set iris.shape, or channels 0" : NULL;
+    if (i->channels != 1 || !i->plane[0].data) return "iris.image needs 1 channel and its data";
+    if (i->width < 1 || i->height < 1 || i->width > IRIS_IMAGE_MOST || i->height > IRIS_IMAGE_MOST)
+        return "iris.image must have 1 to 4096 pixels a side";
+    if (i->plane[0].type != DDOF_FLOAT && i->plane[0].type != DDOF_HALF) return "iris.image: its type is none of ddof_type";
+    const size_t size = i->plane[0].type == DDOF_HALF ? 2 : 4;
+    if (((uintptr_t)i->plane[0].data | (uintptr_t)i->plane[0].pixel_stride | (uintptr_t)i->plane[0].row_stride) % size)
+        return "iris.image: data and strides must be multiples of the size of its type";
+    return NULL;
+}
+
+const char *iris_check(const ddof_iris *s) {
+    for (size_t i = 0; i < sizeof s->reserved / sizeof *s->reserved; i++)
+        if (s->reserved[i]) return "iris.reserved must be 0";
+    if (s->shape < DDOF_IRIS_DISC || s->shape > DDOF_IRIS_IMAGE) return "iris.shape is none of ddof_iris_shape";
+    if (s->shape == DDOF_IRIS_POLYGON && (s->blades < 3 || s->blades > IRIS_BLADES)) return "iris.blades must be 3 to 64";
+    if (s->shape != DDOF_IRIS_POLYGON && s->blades) return "iris.blades is for DDOF_IRIS_POLYGON: set iris.shape, or 0";
+    if (!within(s->rotation, -3600, 3600)) return "iris.rotation must be -3600 to 3600 degrees";
+    if (!within(s->curvature, 0, 1)) return "iris.curvature must be 0 to 1";
+    if (!within(s->edge, -1, 1)) return "iris.edge must be -1 to 1";
+    if (!within(s->cats_eye, 0, 1)) return "iris.cats_eye must be 0 to 1";
+    if (s->squeeze != 0 && !within(s->squeeze, 1, 4)) return "iris.squeeze must be 1 to 4, or 0 for 1";
+    if (!within(s->fringe, -0.5, 0.5)) return "iris.fringe must be -0.5 to 0.5";
+    return check_image(s);
+}
+
+/* ---- nodes */
+
+int iris_node(float diameter) {
+    const float node = log2f(diameter) * IRIS_OCTAVE + 0.5f;
+    return node > 0 ? node < IRIS_NODES - 1 ? (int)node : IRIS_NODES - 1 : 0;
+}
+
+float iris_diameter(int node) {
+    return exp2f((float)node / IRIS_OCTAVE);
+}
+
+int iris_level(int node, bool half) {
+    const int below = 7 * IRIS_OCTAVE + (half ? IRIS_OCTAVE : 0) - node; /* 128 texels across */
+    const int level = below > 0 ? below / IRIS_OCTAVE : 0;
+    return level < IRIS_LEVELS ? level : IRIS_LEVELS - 1;
+}
+
+const float *iris_texels(const iris *iris, int level) {
+    const float *at = iris->texel;
+    for (int l = 0; l < level; l++) at += iris_level_side(l) * iris_level_side(l);
+    return at;
+}
+
+/* ---- tables */
+
+/* Sum of `out`'s box of the image, which lies in the middle of a square of its longer side. */
+static double box_sum(const ddof_image *image, double x0, double x1, double y0, double y1) {
+    double sum = 0;
+    const int left = (int)fmax(floor(x0), 0), top = (int)fmax(floor(y0), 0);
+    for (int y = top; y < image->height && y < y1; y++)
+        for (int x = left; x < image->width && x < x1; x++) {
+            const double v = image_value(image, 0, x, y);
+            const double wide = fmin(x + 1, x1) - fmax(x, x0), tall = fmin(y + 1, y1) - fmax(y, y0);
+            if (v > 0 && isfinite(v) && wide > 0 && tall > 0) sum += v * wide * tall;
+        }
+    return sum;
+}
+
+/* The mean of what each texel covers, the brightest 1; then each level from the one before. */
+static bool make_texels(float *texel, const ddof_image *given) {
+    ddof_image image = *given;
+    image_resolve(&image);
+    const double side = image.width > image.height ? image.width : image.height, step = side / IRIS_SIDE;
+    const double left = (side - image.width) / 2, top = (side - image.height) / 2;
+    double most = 0;
+    static const int n = IRIS_SIDE;
+    for (int y = 0; y < n; y++)
+        for (int x = 0; x < n; x++) {
+            const double v = box_sum(&image, x * step - left, (x + 1) * step - left, y * step - top, (y + 1) * step - top) / (step * step);
+            texel[y * n + x] = (float)fmin(v, 3e38);
+            most = fmax(most, fmin(v, 3e38));
+        }
+    if (!(most > 0)) return false;
+    for (int i = 0; i < n * n; i++) texel[i] = (float)(texel[i] / most);
+    float *from = texel;
+    for (int l = 1; l < IRIS_LEVELS; l++) {
+        const int half = iris_level_side(l), whole = 2 * half;
+        float *to = from + whole * whole;
+        for (int i = 0; i < half * half; i++) {
+            const float *p = from + i / half * 2 * whole + i % half * 2;
+            to[i] = 0.25f * ((p[0] + p[1]) + (p[whole] + p[whole + 1]));
+        }
+        from = to;
+    }
+    return true;
+}
+
+/* Of a mask whose middle lies `off` pixels from one of the target. */
+static double mask_sum(const iris *iris, const sprite_kernels *k, float diameter, int level, float off, float cat_x) {
+    enum { ROOM = 128 };
+    float row[ROOM];
+    const float aspect = iris->shape.aspect;
+    const int wide = (int)(diameter / 2) + 2, tall = (int)(diameter / 2 * aspect) + 2;
+    double sum = 0;
+    for (int y = -tall; y <= tall; y++) {
+        const iris_row at = {.diameter = diameter, .side = 1, .cat_x = cat_x, .dx = off - (float)wide, .dy = off + (float)y, .level = level};
+        k->mask(iris, &at, 2 * wide + 1, row);
+        for (int x = 0; x <= 2 * wide; x++) sum += (double)row[x];
+    }
+    return sum;
+}
+
+/* Beyond this diameter a sum grows with the area. */
+enum { SUMMED = 6 * IRIS_OCTAVE };
+
+static void make_sums(iris *iris, const sprite_kernels *k) {
+    for (int half = 0; half < 2; half++) {
+        const int last = SUMMED + half * IRIS_OCTAVE;
+        for (int node = 0; node < IRIS_NODES; node++) {
+            float *inverse = &iris->inverse_sum[half][node];
+            const float diameter = iris_diameter(node) / (half ? 2 : 1);
+            if (node <= last) {
+                const double sum = mask_sum(iris, k, diameter, iris_level(node, half), half ? 0.25f : 0, 0);
+                *inverse = sum > 1e-6 ? (float)(1 / sum) : 0;
+            } else {
+                const double across = (double)diameter / iris_diameter(SUMMED);
+                *inverse = (float)(iris->inverse_sum[half][last] / (across * across));
+            }
+        }
+    }
+    const double whole = 1.0 / (double)iris->inverse_sum[0][SUMMED];
+    for (int i = 0; i < IRIS_CATS; i++) {
+        const double sum = mask_sum(iris, k, iris_diameter(SUMMED), iris_level(SUMMED, false), 0, (float)i / (IRIS_CATS - 1));
+        iris->cats_gain[i] = sum * 1e3 > whole ? (float)(whole / sum) : 1e3f;
+    }
+}
+
+static iris_shape shape_of(const ddof_iris *s, double aspect) {
+    const double turn = s->rotation * PI / 180;
+    iris_shape shape = {.kind = (int)s->shape, .blades = s->blades, .cosine = (float)cos(turn), .sine = (float)sin(turn)};
+    shape.apothem = s->blades ? (float)cos(PI / s->blades) : 1;
+    for (int k = 0; k < s->blades; k++) {
+        shape.normal_x[k] = (float)cos((2 * k + 1) * PI / s->blades);
+        shape.normal_y[k] = (float)sin((2 * k + 1) * PI / s->blades);
+    }
+    shape.curvature = (float)s->curvature;
+    shape.edge = (float)s->edge;
+    shape.cats_eye = (float)s->cats_eye;
+    shape.squeeze = s->squeeze > 0 ? (float)s->squeeze : 1;
+    shape.fringe = (float)s->fringe;
+    shape.aspect = (float)aspect;
+    return shape;
+}
+
+bool iris_make(iris *out, const ddof_iris *s, double aspect, const sprite_kernels *k) {
+    const iris_shape shape = shape_of(s, aspect);
+    if (s->shape == DDOF_IRIS_IMAGE) {
+        out->made = false;
+        if (!make_texels(out->texel, &s->image)) return false;
+    }
+    if (out->made && memcmp(&shape, &out->shape, sizeof shape) == 0) return true;
+    out->shape = shape;
+    make_sums(out, k);
+    out->made = true;
+    return true;
+}
