@@ -161,6 +161,7 @@ void ddof_destroy(ddof_context **context) {
     thread_pool_destroy(ctx->pool);
     pthread_mutex_destroy(&ctx->progress_lock);
     if (ctx->scratch) ctx->config.release(ctx->config.memory_user, ctx->scratch);
+    if (ctx->iris) ctx->config.release(ctx->config.memory_user, ctx->iris);
     ctx->config.release(ctx->config.memory_user, ctx);
 }
 
@@ -204,6 +205,9 @@ static ddof_status run(ddof_context *ctx, const ddof_frame *frame, const ddof_se
     if (status == DDOF_OK) status = pipeline_run(ctx, &job, coc_only);
     if (status == DDOF_OK && stats) {
         stats->nonfinite_pixels = job.nonfinite_pixels;
+        stats->sprites = job.sprites;
+        stats->sprites_dropped = job.sprites_dropped;
+        stats->sprites_large = job.sprites_large;
         stats->focus_distance = job.focus_distance;
         stats->scratch_bytes = ctx->scratch_bytes;
         stats->threads = ctx->threads;

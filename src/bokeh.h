@@ -14,7 +14,7 @@
  *   taken      colour * a * (v - raised threshold)/v, from R, G and B.
  *   drawn      added, each pixel times visible(d of the pixel, d of the sprite).
  * FULL
- *   every pixel with finite colour and CoC and |d| >= 2, limited to `limit`, is a sprite of its R, G, B, A, and of 1, times
+ *   holes are filled from around, then every pixel with |d| >= 2, limited to `limit`, is a sprite of its R, G, B, A, and of 1, times
  *   smoothstep(2, 4, |d|); near ones (d < 0) and far ones are summed by themselves, times visible(). With F, N the two sums of colour, f, n of 1,
  *   and t = smoothstep(2, 4, |d|) of the pixel's own CoC d:
  *       base = mix(colour, F/f, t) where d > 0 and f > 1e-6;  mix(colour, N/n, t) where d < 0 and n > 1e-6
@@ -48,8 +48,13 @@ typedef struct bokeh_limits {
 typedef struct bokeh_sprite {
     int x, y;
     float coc;      /* signed */
+    int node;       /* of iris.h, of |coc| */
     float color[4]; /* alpha: of FULL */
+    float one;      /* FULL: what it weighs */
 } bokeh_sprite;
+
+/* What is wrong with settings.method, bokeh, sprites and iris, or NULL. */
+const char *bokeh_check(const ddof_settings *settings);
 
 bokeh_limits bokeh_limits_of(const frame_job *job);
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "bokeh.h"
 #include "context.h"
 #include "image.h"
 
@@ -201,6 +202,8 @@ ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddo
     if (s->kernel == DDOF_KERNEL_DISC && (s->substeps || s->conductance != DDOF_CONDUCTANCE_MATCHED))
         return context_fail(ctx, DDOF_ERROR_INVALID,
                             "settings.substeps and conductance must be 0 with DDOF_KERNEL_DISC: settings.quality decides");
+    const char *sprites = bokeh_check(s);
+    if (sprites) return context_fail(ctx, DDOF_ERROR_INVALID, "settings.%s", sprites);
     if (s->layers != DDOF_LAYERS_OFF && s->layers != DDOF_LAYERS_AUTO)
         return context_fail(ctx, DDOF_ERROR_INVALID, "settings.layers is none of ddof_layers");
     if (s->solver < DDOF_SOLVER_DEFAULT || s->solver > DDOF_SOLVER_PCR3_SWEEP)

@@ -34,6 +34,13 @@ typedef struct frame_job {
     int64_t sprites, sprites_dropped, sprites_large; /* out, as in ddof_stats */
 } frame_job;
 
+/* The same job for a part of the picture in memory of the library's own, blurred in place. */
+typedef struct inner_job {
+    frame_job job;
+    ddof_frame frame;
+    ddof_settings settings;
+} inner_job;
+
 /* The stages a backend implements. Validation is done: it gets nothing it may refuse. */
 typedef struct backend {
     ddof_backend id;
@@ -108,6 +115,8 @@ ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame
                              bool read, double *focus_distance);
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only);
 size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only);
+/* x, y: of the part, in the picture of `job`. */
+void pipeline_inner(inner_job *inner, const frame_job *job, const ddof_image *part, const ddof_image *coc, int x, int y);
 /* One layer: by the method, and with the sprites, that the job asks for. */
 ddof_status pipeline_blur(ddof_context *ctx, frame_job *job, void *scratch);
 size_t pipeline_blur_bytes(const ddof_context *ctx, const frame_job *job);

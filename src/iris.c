@@ -61,8 +61,8 @@ int iris_level(int node, bool half) {
     return level < IRIS_LEVELS ? level : IRIS_LEVELS - 1;
 }
 
-const float *iris_texels(const iris *iris, int level) {
-    const float *at = iris->texel;
+const float *iris_texels(const iris *of, int level) {
+    const float *at = of->texel;
     for (int l = 0; l < level; l++) at += iris_level_side(l) * iris_level_side(l);
     return at;
 }
@@ -112,15 +112,15 @@ static bool make_texels(float *texel, const ddof_image *given) {
 }
 
 /* Of a mask whose middle lies `off` pixels from one of the target. */
-static double mask_sum(const iris *iris, const sprite_kernels *k, float diameter, int level, float off, float cat_x) {
+static double mask_sum(const iris *of, const sprite_kernels *k, float diameter, int level, float off, float cat_x) {
     enum { ROOM = 128 };
     float row[ROOM];
-    const float aspect = iris->shape.aspect;
+    const float aspect = of->shape.aspect;
     const int wide = (int)(diameter / 2) + 2, tall = (int)(diameter / 2 * aspect) + 2;
     double sum = 0;
     for (int y = -tall; y <= tall; y++) {
         const iris_row at = {.diameter = diameter, .side = 1, .cat_x = cat_x, .dx = off - (float)wide, .dy = off + (float)y, .level = level};
-        k->mask(iris, &at, 2 * wide + 1, row);
+        k->mask(of, &at, 2 * wide + 1, row);
         for (int x = 0; x <= 2 * wide; x++) sum += (double)row[x];
     }
     return sum;
@@ -129,25 +129,26 @@ static double mask_sum(const iris *iris, const sprite_kernels *k, float diameter
 /* Beyond this diameter a sum grows with the area. */
 enum { SUMMED = 6 * IRIS_OCTAVE };
 
-static void make_sums(iris *iris, const sprite_kernels *k) {
+static void make_sums(iris *out, const sprite_kernels *k) {
+    for (int node = 0; node < IRIS_NODES; node++) out->diameter[node] = iris_diameter(node);
     for (int half = 0; half < 2; half++) {
         const int last = SUMMED + half * IRIS_OCTAVE;
         for (int node = 0; node < IRIS_NODES; node++) {
-            float *inverse = &iris->inverse_sum[half][node];
-            const float diameter = iris_diameter(node) / (half ? 2 : 1);
+            float *inverse = &out->inverse_sum[half][node];
+            const float diameter = out->diameter[node] / (half ? 2 : 1);
             if (node <= last) {
-                const double sum = mask_sum(iris, k, diameter, iris_level(node, half), half ? 0.25f : 0, 0);
+                const double sum = mask_sum(out, k, diameter, iris_level(node, half), half ? 0.25f : 0, 0);
                 *inverse = sum > 1e-6 ? (float)(1 / sum) : 0;
             } else {
                 const double across = (double)diameter / iris_diameter(SUMMED);
-                *inverse = (float)(iris->inverse_sum[half][last] / (across * across));
+                *inverse = (float)(out->inverse_sum[half][last] / (across * across));
             }
         }
     }
-    const double whole = 1.0 / (double)iris->inverse_sum[0][SUMMED];
+    const double whole = 1.0 / (double)out->inverse_sum[0][SUMMED];
     for (int i = 0; i < IRIS_CATS; i++) {
-        const double sum = mask_sum(iris, k, iris_diameter(SUMMED), iris_level(SUMMED, false), 0, (float)i / (IRIS_CATS - 1));
-        iris->cats_gain[i] = sum * 1e3 > whole ? (float)(whole / sum) : 1e3f;
+        const double sum = mask_sum(out, k, iris_diameter(SUMMED), iris_level(SUMMED, false), 0, (float)i / (IRIS_CATS - 1));
+        out->cats_gain[i] = sum * 1e3 > whole ? (float)(whole / sum) : 1e3f;
     }
 }
 

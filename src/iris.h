@@ -51,6 +51,7 @@ typedef struct iris_shape {
 typedef struct iris {
     bool made;
     iris_shape shape;
+    float diameter[IRIS_NODES];       /* of each node */
     float inverse_sum[2][IRIS_NODES]; /* of the mask, by node of the sprite; [1]: in a picture of half the size, where its diameter is
                                          half as large and its middle lies a quarter of a pixel off */
     float cats_gain[IRIS_CATS];       /* what the cat's eye makes it brighter by, by |c t| */
@@ -79,7 +80,7 @@ float iris_diameter(int node);
 
 /* The level of the image's table for a sprite of a node, `half` or not; where its texels begin, and how many a side has. */
 int iris_level(int node, bool half);
-const float *iris_texels(const iris *iris, int level);
+const float *iris_texels(const iris *of, int level);
 static inline int iris_level_side(int level) {
     return IRIS_SIDE >> level;
 }

@@ -100,29 +100,27 @@ static inline float *at(pixels p, int x, int y) {
     return p.base ? (float *)(void *)(p.base + p.stride * y) + 4 * (ptrdiff_t)x : NULL;
 }
 
-/* A job that diffuses `width` x `height` pixels of the layer from (x, y) in place. */
-typedef struct inner_job {
-    frame_job job;
-    ddof_frame frame;
-    ddof_settings settings;
-} inner_job;
-
+/* A job that blurs the layer's part of a picture in place. */
 static void inner(const work *w, const frame_job *job, inner_job *i, float *first, ptrdiff_t stride, int channels,
                   const layer *l) {
     const int width = l->x1 - l->x0, height = l->y1 - l->y0;
-    i->job = *job;
-    i->frame = *job->frame;
-    i->frame.holdout = NULL;
-    i->frame.depth = (ddof_image){0};
-    i->frame.color = i->frame.output = ddof_image_interleaved(first, width, height, channels, DDOF_FLOAT, stride);
-    i->frame.coc = ddof_image_interleaved(w->reach ? w->reach + (ptrdiff_t)w->width * l->y0 + l->x0 : NULL, width, height, 1,
-                                          DDOF_FLOAT, (ptrdiff_t)sizeof(float) * w->width);
-    i->settings = *job->settings;
-    i->settings.layers = DDOF_LAYERS_OFF;
-    i->job.settings = &i->settings;
-    i->job.frame = &i->frame;
-    i->job.coc_source = i->frame.coc;
-    i->job.is_depth = false;
+    const ddof_image part = ddof_image_interleaved(first, width, height, channels, DDOF_FLOAT, stride);
+    const ddof_image coc = ddof_image_interleaved(w->reach ? w->reach + (ptrdiff_t)w->width * l->y0 + l->x0 : NULL, width, height,
+                                                  1, DDOF_FLOAT, (ptrdiff_t)sizeof(float) * w->width);
+    pipeline_inner(i, job, &part, &coc, l->x0, l->y0);
+    if (l->focus) { /* at 2 pixels a disc, or a sprite, cannot be told from a bell */
+        i->job.disc = NULL;
+        i->job.highlights = false;
+        if (i->job.method == DDOF_METHOD_SCATTER) i->job.method = DDOF_METHOD_DIFFUSION;
+        i->settings.kernel = DDOF_KERNEL_HEAT;
+        i->settings.quality = DDOF_QUALITY_DEFAULT;
+        i->settings.method = i->job.method;
+        i->settings.bokeh = DDOF_BOKEH_OFF;
+    }
+    if (channels == 1 && i->job.highlights) { /* coverage shines nowhere */
+        i->job.highlights = false;
+        i->settings.bokeh = DDOF_BOKEH_OFF;
+    }
 }
 
 static size_t largest(size_t a, size_t b) {
@@ -148,12 +146,12 @@ static size_t lay_out(work *w, const ddof_context *ctx, const frame_job *job, ch
     w->rest = take(base, &used, 0);
     size_t rest = largest(fill_bytes(4, w->width, w->height), pipeline_blur_bytes(ctx, job));
     rest = largest(rest, (wide + 2) * (size_t)w->height * sizeof(float)); /* of spread_near() */
-    const layer whole = {.x1 = w->width, .y1 = w->height};
-    for (int channels = 4; channels > 0; channels -= 3) {
+    layer whole = {.x1 = w->width, .y1 = w->height};
+    for (int kind = 0; kind < 4; kind++) {
         inner_job i;
+        const int channels = kind % 2 ? 1 : 4;
+        whole.focus = kind / 2;
         inner(w, job, &i, NULL, (ptrdiff_t)sizeof(float) * channels * w->width, channels, &whole);
-        rest = largest(rest, pipeline_blur_bytes(ctx, &i.job));
-        i.job.disc = NULL;
         rest = largest(rest, pipeline_blur_bytes(ctx, &i.job));
     }
     return used + rest;
@@ -470,7 +468,7 @@ static ddof_status spread_near(work *w) {
     for (int y = height - 1; y >= 0; y--) {
         float *row = first + stride * y, *out = w->reach + (ptrdiff_t)w->width * (l->y0 + y) + l->x0;
         w->layers->spread(y < height - 1 ? row + stride : NULL, row, width, slope, across, false);
-        for (int x = 0; x < width; x++) out[x] = out[x] > row[x] ? out[x] : row[x];
+        for (int x = 0; x < width; x++) out[x] = -(out[x] > row[x] ? out[x] : row[x]); /* the sign is that of what is near */
     }
     context_progress(w->ctx, 0);
     return w->ctx->cancelled ? DDOF_ERROR_CANCELLED : DDOF_OK;
@@ -487,13 +485,12 @@ static ddof_status fill_layer(work *w, int channels,
 static ddof_status diffuse_layer(work *w, float *first, ptrdiff_t stride, int channels, double from, double to) {
     inner_job i;
     inner(w, w->job, &i, first, stride, channels, w->now);
-    if (w->now->focus && i.job.disc) { /* at 2 pixels a disc cannot be told from a bell */
-        i.job.disc = NULL;
-        i.settings.kernel = DDOF_KERNEL_HEAT;
-        i.settings.quality = DDOF_QUALITY_DEFAULT;
-    }
     context_stage(w->ctx, from, to);
-    return pipeline_blur(w->ctx, &i.job, w->rest);
+    const ddof_status status = pipeline_blur(w->ctx, &i.job, w->rest);
+    w->job->sprites += i.job.sprites;
+    w->job->sprites_dropped += i.job.sprites_dropped;
+    w->job->sprites_large += i.job.sprites_large;
+    return status;
 }
 
 /* Lays the layer under work over those behind it, which are the result. */

@@ -74,6 +74,28 @@ static ddof_status reserve(ddof_context *ctx, size_t bytes) {
     return DDOF_OK;
 }
 
+void pipeline_inner(inner_job *i, const frame_job *job, const ddof_image *part, const ddof_image *coc, int x, int y) {
+    i->job = *job;
+    i->frame = *job->frame;
+    i->frame.holdout = NULL;
+    i->frame.depth = (ddof_image){0};
+    i->frame.color = i->frame.output = *part;
+    i->frame.coc = *coc;
+    if (!i->frame.picture_width) {
+        i->frame.picture_width = job->frame->color.width;
+        i->frame.picture_height = job->frame->color.height;
+    }
+    i->frame.offset_x += x;
+    i->frame.offset_y += y;
+    i->settings = *job->settings;
+    i->settings.layers = DDOF_LAYERS_OFF;
+    i->job.frame = &i->frame;
+    i->job.settings = &i->settings;
+    i->job.coc_source = i->frame.coc;
+    i->job.is_depth = false;
+    i->job.nonfinite_pixels = i->job.sprites = i->job.sprites_dropped = i->job.sprites_large = 0;
+}
+
 static bool wants_sprites(const frame_job *job) {
     return job->highlights || job->method == DDOF_METHOD_SCATTER;
 }

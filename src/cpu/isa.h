@@ -18,6 +18,7 @@ extern const pixel_kernels ISA(pixel_kernels);
 extern const disc_kernels ISA(disc_kernels);
 extern const layer_kernels ISA(layer_kernels);
 extern const fill_kernels ISA(fill_kernels);
+extern const sprite_kernels ISA(sprite_kernels);
 
 /* Of disc_rows.c, for the table in disc_lines.c. */
 bool ISA(disc_forward)(const disc_block *block, const disc_link *link);

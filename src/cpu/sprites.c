@@ -101,8 +101,8 @@ static void cats_eye(const chunk *c, const iris_row *row, float radius, float *i
     }
 }
 
-static void mask(const iris *iris, const iris_row *row, int count, float *out) {
-    const iris_shape *s = &iris->shape;
+static void mask(const iris *of, const iris_row *row, int count, float *out) {
+    const iris_shape *s = &of->shape;
     const float radius = 0.5f * row->diameter, edge = row->side * s->edge, within = 1 / radius;
     const bool cat = row->cat_x != 0 || row->cat_y != 0;
     chunk c;
@@ -111,7 +111,7 @@ static void mask(const iris *iris, const iris_row *row, int count, float *out) {
         positions(&c, s, row, first);
         if (cat) cats_eye(&c, row, radius, cut);
         if (s->kind == DDOF_IRIS_IMAGE) {
-            image_cover(&c, iris_texels(iris, row->level), iris_level_side(row->level), radius, inside);
+            image_cover(&c, iris_texels(of, row->level), iris_level_side(row->level), radius, inside);
             for (int i = 0; i < CHUNK && cat; i++) inside[i] *= cover_of(cut[i]);
         } else {
             if (s->kind == DDOF_IRIS_POLYGON)
