@@ -34,7 +34,7 @@ static const char *check_sprites(const ddof_sprites *s) {
     if (s->threshold != 0 && !within(s->threshold, 1e-30, 1e30)) return "sprites.threshold must be above 0, or 0 for 1";
     if (!within(s->limit, 0, 1)) return "sprites.limit must be 0 to 1, a fraction of the picture's width";
     if (s->max_sprites < 0 || s->max_sprites > 1 << 20) return "sprites.max_sprites must be 1 to 1048576, or 0 for 65536";
-    if (s->max_area < 0 || s->max_area > 1024) return "sprites.max_area must be 1 to 1024, or 0 for 16";
+    if (s->max_area < 0 || s->max_area > 1024) return "sprites.max_area must be 1 to 1024, or 0 for 32";
     if (s->resolution < DDOF_RESOLUTION_DEFAULT || s->resolution > DDOF_RESOLUTION_HALF)
         return "sprites.resolution is none of ddof_resolution";
     if (s->append < DDOF_APPEND_DEFAULT || s->append > DDOF_APPEND_ARGUMENTS) return "sprites.append is none of ddof_append";
@@ -58,7 +58,7 @@ bokeh_limits bokeh_limits_of(const frame_job *job) {
     return (bokeh_limits){.threshold = s->threshold > 0 ? (float)s->threshold : 1,
                           .largest = (float)fmin(fmax(largest, 1), (double)IRIS_MOST),
                           .max_sprites = s->max_sprites ? s->max_sprites : 65536,
-                          .max_area = (s->max_area ? s->max_area : 16) * width * height,
+                          .max_area = (s->max_area ? s->max_area : 32) * width * height,
                           .half = s->resolution == DDOF_RESOLUTION_DEFAULT ? full : s->resolution == DDOF_RESOLUTION_HALF};
 }
 
@@ -106,8 +106,8 @@ typedef struct work {
     bokeh_sprite *listed;     /* FULL: per worker, of a row */
     scatter scatter;
     void *rest;               /* the backend's, or the targets and the workers' masks */
-    size_t rest_bytes;
     float raised;             /* the threshold */
+    int level;                /* that is drawn */
     atomic_llong large, holes;
     atomic_llong count[BOKEH_BINS], area[BOKEH_BINS];
 } work;
@@ -122,20 +122,24 @@ static int workers(const ddof_context *ctx) {
     return ctx->pool ? ctx->threads : ctx->config.threads;
 }
 
-/* Pictures of sprites: HIGHLIGHTS draws at full resolution into the picture itself. */
+/* Pictures of sprites: HIGHLIGHTS draws level 0 into the picture itself. */
 static size_t take_targets(work *w, char *base) {
     scatter *s = &w->scatter;
     const bool full = w->job->method == DDOF_METHOD_SCATTER;
-    const size_t n = (size_t)s->target_width * (size_t)s->target_height;
     size_t used = 0;
-    scatter_target *target[2] = {&s->far, &s->near};
-    for (int i = 0; i < 2; i++) {
-        *target[i] = (scatter_target){.row_stride = (ptrdiff_t)sizeof(float) * 4 * s->target_width};
-        if (i == 0 ? full || s->half : full) target[i]->rgba = take(base, &used, n * 4 * sizeof(float));
-        if (full) target[i]->weight = take(base, &used, n * sizeof(float));
+    for (int l = s->first; l < s->levels; l++) {
+        const size_t n = (size_t)s->level[l].width * (size_t)s->level[l].height;
+        scatter_target *target[2] = {&s->level[l].far, &s->level[l].near};
+        for (int i = 0; i < (full ? 2 : 1); i++) {
+            *target[i] = (scatter_target){.row_stride = (ptrdiff_t)sizeof(float) * 4 * s->level[l].width};
+            if (full) target[i]->weight = take(base, &used, n * sizeof(float));
+            if (full || l > 0)
+                target[i]->rgba = take(base, &used, n * 4 * sizeof(float));
+            else
+                *target[i] = (scatter_target){.rgba = (float *)(void *)w->picture, .row_stride = w->stride};
+        }
+        if (!full) s->level[l].near = s->level[l].far;
     }
-    if (!full && !s->half) s->far = (scatter_target){.rgba = (float *)(void *)w->picture, .row_stride = w->stride};
-    if (!full) s->near = s->far;
     if (base) memset(base, 0, used);
     const size_t masks = scatter_take(s, base ? base + used : NULL, workers(w->ctx));
     return used + masks;
@@ -167,17 +171,17 @@ static size_t lay_out(work *w, ddof_context *ctx, frame_job *job, char *base) {
     w->rest = take(base, &used, 0);
     scatter_plan(&w->scatter, ctx, job, &w->limits);
     w->scatter.coc = w->coc;
-    w->rest_bytes = take_targets(w, NULL);
+    const size_t drawing = take_targets(w, NULL);
     if (full) { /* holes are filled before anything is drawn */
         const size_t fill = fill_bytes(4, w->width, w->height);
-        return used + (fill > w->rest_bytes ? fill : w->rest_bytes);
+        return used + (fill > drawing ? fill : drawing);
     }
     inner_job inner;
     const ddof_image part = ddof_image_interleaved(w->picture, w->width, w->height, 4, DDOF_FLOAT, w->stride);
     const ddof_image map = ddof_image_interleaved(w->coc, w->width, w->height, 1, DDOF_FLOAT, 0);
     pipeline_inner(&inner, job, &part, &map, 0, 0);
     const size_t blur = ctx->backend->scratch_bytes(ctx, &inner.job);
-    return used + (blur > w->rest_bytes ? blur : w->rest_bytes);
+    return used + (blur > drawing ? blur : drawing);
 }
 
 size_t bokeh_scratch_bytes(const ddof_context *ctx, const frame_job *job) {
@@ -310,7 +314,9 @@ static void count_one(work *w, int x, int y, const candidate *c, void *user) {
     }
     const int bin = bokeh_bin(c->v, w->limits.threshold);
     atomic_fetch_add(&w->count[bin], 1);
-    atomic_fetch_add(&w->area[bin], (long long)(c->coc * c->coc * AREA_UNIT));
+    const int node = iris_node(fabsf(c->coc)), level = bokeh_level(node, w->limits.half);
+    const float across = w->job->iris->diameter[node] / (float)(1 << level);
+    atomic_fetch_add(&w->area[bin], (long long)(across * across * AREA_UNIT));
 }
 
 static void count_rows(work *w, int worker, int y0, int y1) {
@@ -386,41 +392,28 @@ static ddof_status blur_rest(work *w) {
     return status;
 }
 
+/* The rows of the picture whose sprites may reach rows y0 to y1 - 1 of a level. */
+static void reached(const work *w, int level, int y0, int y1, int *from, int *to) {
+    const int reach = scatter_reach(&w->scatter, level);
+    const int64_t first = ((int64_t)y0 << level) - reach, last = ((int64_t)y1 << level) + reach;
+    *from = first > 0 ? (int)first : 0;
+    *to = last < w->height ? (int)last : w->height;
+}
+
 static void highlight_rows(work *w, int worker, int y0, int y1) {
-    const int scale = w->scatter.half ? 2 : 1, reach = scatter_reach(&w->scatter, w->limits.largest);
-    int from = y0 * scale - reach, to = y1 * scale + reach;
-    from = from > 0 ? from : 0;
-    to = to < w->height ? to : w->height;
+    int from, to;
+    reached(w, w->level, y0, y1, &from, &to);
     for (int y = from; y < to; y++)
         if (w->first[y + 1] > w->first[y])
-            scatter_row(&w->scatter, worker, w->sprite + w->first[y], w->first[y + 1] - w->first[y], y0, y1);
+            scatter_row(&w->scatter, worker, w->level, w->sprite + w->first[y], w->first[y + 1] - w->first[y], y0, y1);
 }
 
-/* The two pixels of a target of half the size that pixel x lies between, and the share of the second. */
-static void between(int x, int width, int *first, int *second, float *share) {
-    const int i = (x - 1) >> 1; /* below 0 at the border */
-    *first = i > 0 ? i : 0;
-    *second = i + 1 < width ? i + 1 : width - 1;
-    *share = x % 2 ? 0.25f : 0.75f;
-}
-
-/* `channels` sums at pixel (x, y) of the picture, of the target's RGBA or weight. */
-static void sums_at(const scatter *s, const float *sums, int channels, int x, int y, float *out) {
-    const ptrdiff_t wide = s->target_width;
-    if (!s->half) {
-        memcpy(out, sums + (wide * y + x) * channels, (size_t)channels * sizeof *out);
-        return;
-    }
-    int x0, x1, y0, y1;
-    float right, below;
-    between(x, s->target_width, &x0, &x1, &right);
-    between(y, s->target_height, &y0, &y1, &below);
-    const float *top = sums + wide * y0 * channels, *bottom = sums + wide * y1 * channels;
-    for (int c = 0; c < channels; c++) {
-        const float above = (1 - right) * top[x0 * channels + c] + right * top[x1 * channels + c];
-        const float under = (1 - right) * bottom[x0 * channels + c] + right * bottom[x1 * channels + c];
-        out[c] = 0.25f * ((1 - below) * above + below * under);
-    }
+/* Calls `do_rows` for the rows of each level. */
+static ddof_status all_levels(work *w, void (*do_rows)(work *w, int worker, int y0, int y1)) {
+    ddof_status status = DDOF_OK;
+    for (w->level = w->scatter.first; w->level < w->scatter.levels && status == DDOF_OK; w->level++)
+        status = rows(w, w->scatter.level[w->level].height, do_rows);
+    return status;
 }
 
 static void add_rows(work *w, int worker, int y0, int y1) {
@@ -428,15 +421,15 @@ static void add_rows(work *w, int worker, int y0, int y1) {
     for (int y = y0; y < y1; y++)
         for (int x = 0; x < w->width; x++) {
             float sum[4], *rgba = pixel_at(w, x, y);
-            sums_at(&w->scatter, w->scatter.far.rgba, 4, x, y, sum);
+            scatter_color(&w->scatter, 1, false, x, y, sum);
             for (int c = 0; c < w->colors; c++) rgba[c] += sum[c];
         }
 }
 
 static ddof_status draw_highlights(work *w) {
     take_targets(w, w->rest);
-    ddof_status status = rows(w, w->scatter.target_height, highlight_rows);
-    return status == DDOF_OK && w->scatter.half ? rows(w, w->height, add_rows) : status;
+    const ddof_status status = all_levels(w, highlight_rows);
+    return status == DDOF_OK && w->scatter.levels > 1 ? rows(w, w->height, add_rows) : status;
 }
 
 /* ---- every pixel */
@@ -492,22 +485,20 @@ static int list_row(const work *w, int y, bokeh_sprite *list) {
 }
 
 static void full_rows(work *w, int worker, int y0, int y1) {
-    const int scale = w->scatter.half ? 2 : 1, reach = scatter_reach(&w->scatter, w->limits.largest);
     bokeh_sprite *list = w->listed + (size_t)worker * (size_t)w->width;
-    int from = y0 * scale - reach, to = y1 * scale + reach;
-    from = from > 0 ? from : 0;
-    to = to < w->height ? to : w->height;
+    int from, to;
+    reached(w, w->level, y0, y1, &from, &to);
     for (int y = from; y < to && !w->ctx->cancelled; y++) {
         const int count = list_row(w, y, list);
-        if (count) scatter_row(&w->scatter, worker, list, count, y0, y1);
+        if (count) scatter_row(&w->scatter, worker, w->level, list, count, y0, y1);
     }
 }
 
 /* The mean of the sprites at a pixel; false: there are none. */
-static bool mean_at(const scatter *s, const scatter_target *t, int x, int y, float *mean, float *weight) {
-    sums_at(s, t->weight, 1, x, y, weight);
-    sums_at(s, t->rgba, 4, x, y, mean);
+static bool mean_at(const scatter *s, bool near, int x, int y, float *mean, float *weight) {
+    *weight = scatter_weight(s, near, x, y);
     if (!(*weight > BOKEH_EMPTY)) return false;
+    scatter_color(s, s->first, near, x, y, mean);
     for (int c = 0; c < 4; c++) mean[c] /= *weight;
     return true;
 }
@@ -522,8 +513,8 @@ static void compose_rows(work *w, int worker, int y0, int y1) {
         for (int x = 0; x < w->width; x++) {
             float far[4], near[4], f, n, *rgba = pixel_at(w, x, y);
             const float coc = *coc_at(w, x, y), own = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
-            const bool some_far = mean_at(&w->scatter, &w->scatter.far, x, y, far, &f);
-            const bool some_near = mean_at(&w->scatter, &w->scatter.near, x, y, near, &n);
+            const bool some_far = mean_at(&w->scatter, false, x, y, far, &f);
+            const bool some_near = mean_at(&w->scatter, true, x, y, near, &n);
             if (coc > 0 && some_far) mix(rgba, far, own);
             if (coc < 0 && some_near) mix(rgba, near, own);
             if (some_near) mix(rgba, near, n < 1 ? n : 1);
@@ -532,7 +523,7 @@ static void compose_rows(work *w, int worker, int y0, int y1) {
 
 static ddof_status draw_all(work *w) {
     take_targets(w, w->rest);
-    const ddof_status status = rows(w, w->scatter.target_height, full_rows);
+    const ddof_status status = all_levels(w, full_rows);
     return status == DDOF_OK ? rows(w, w->height, compose_rows) : status;
 }
 

@@ -10,7 +10,7 @@
  *              first in reading order of equals, among those whose colour and CoC are finite. a = smoothstep(2, 4, |d|); none where a = 0, or where
  *              |d| > limit (counted as large).
  *   budget     the threshold is the lowest edge >= threshold of a bin, 16 to the octave of v/threshold, 512 bins, above which there are at
- *              most max_sprites candidates with a sum of d^2 of at most max_area times the picture's pixels.
+ *              most max_sprites candidates with a sum of (d/2^l)^2, see LEVELS, of at most max_area times the picture's pixels.
  *   taken      colour * a * (v - raised threshold)/v, from R, G and B.
  *   drawn      added, each pixel times visible(d of the pixel, d of the sprite).
  * FULL
@@ -19,8 +19,13 @@
  *   and t = smoothstep(2, 4, |d|) of the pixel's own CoC d:
  *       base = mix(colour, F/f, t) where d > 0 and f > 1e-6;  mix(colour, N/n, t) where d < 0 and n > 1e-6
  *       out  = mix(base, N/n, min(n, 1)) where n > 1e-6
- * HALF resolution: a sprite's middle lies at (x/2 - 1/4, y/2 - 1/4), in pixels of the target counted from their middles, its diameter is half as
- * large. visible() takes the CoC of the pixel (2X, 2Y). Sums are divided by 4 and interpolated bilinearly, at the borders from inside. */
+ * LEVELS  however large a sprite is, it is drawn with a diameter of less than 64 pixels (below 8192): in a picture of 1/2^l of the
+ *   size, rounded up, l = bokeh_level() of its node, for HALF resolution at least 1. Then a pixel's sprite costs the same whatever the blur, and
+ *   its rim is as soft in proportion. In the target of level l >= 1 the middle of the sprite of pixel (x, y) lies at (u/2 - 1/4, v/2 - 1/4), in
+ *   pixels of the target counted from their middles, u = x >> (l - 1), v = y >> (l - 1); its diameter is |d|/2^l, its sum that of
+ *   iris.inverse_sum[1] at its node less 64 (l - 1). With fringe l is that of |d|. visible() takes the CoC of the pixel (X << l, Y << l) of the
+ *   picture. A target's sums are divided by 4^l and interpolated bilinearly, at the borders from inside, pixel x at (x + 1/2)/2^l - 1/2; those of
+ *   all levels are added up. */
 #ifndef DDOF_BOKEH_H
 #define DDOF_BOKEH_H
 
@@ -30,7 +35,8 @@
 enum {
     BOKEH_BIN_OCTAVE = 16,
     BOKEH_BINS = 512,
-    BOKEH_REACH = 2 /* rows and columns to look for the brightest pixel */
+    BOKEH_REACH = 2, /* rows and columns to look for the brightest pixel */
+    BOKEH_LEVELS = 8 /* at most */
 };
 #define BOKEH_LEAST 2.0f /* |CoC| where sprites begin, and where they are all there */
 #define BOKEH_WHOLE 4.0f
@@ -41,7 +47,7 @@ typedef struct bokeh_limits {
     float threshold; /* scene-linear */
     float largest;   /* |CoC|, pixels */
     int max_sprites;
-    double max_area; /* sum of d^2, square pixels */
+    double max_area; /* sum of (d/2^l)^2, pixels of the targets */
     bool half;       /* resolution */
 } bokeh_limits;
 
@@ -57,6 +63,12 @@ typedef struct bokeh_sprite {
 const char *bokeh_check(const ddof_settings *settings);
 
 bokeh_limits bokeh_limits_of(const frame_job *job);
+
+/* The level that a sprite of a node is drawn at: its diameter there is 32 to 64 pixels, or less at level 0. */
+static inline int bokeh_level(int node, bool half) {
+    const int level = node / IRIS_OCTAVE - 5;
+    return level < half ? half : level < BOKEH_LEVELS - 1 ? level : BOKEH_LEVELS - 1;
+}
 
 /* The bin of v > threshold, and a bin's lower edge. */
 int bokeh_bin(float v, float threshold);

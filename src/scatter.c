@@ -8,15 +8,16 @@
 
 #include "cpu/kernels.h"
 
-enum { PLACES = 4 /* behind or before the focus; in a target of half the size the left or right of its two pixels */ };
+enum { PLACES = 4 /* behind or before the focus; from level 1 on, in the left or the right of two pixels */ };
 
-/* Pixels from a sprite's middle to the ends of its masks. */
-static int mask_reach(const scatter *s, int node) {
-    return (int)(iris_diameter(node) * (s->half ? 0.25f : 0.5f)) + 2;
+/* Where the tables of a node that is drawn at a level lie: from level 1 on as if the picture were 1/2^(level - 1) of its size. */
+static int table_node(int node, int level) {
+    return level > 1 ? node - (level - 1) * IRIS_OCTAVE : node;
 }
 
-static int mask_width(const scatter *s, int node) {
-    return 2 * mask_reach(s, node) + 1;
+/* Pixels from a sprite's middle to the ends of its masks, by table_node(). */
+static int mask_reach(int node, bool half) {
+    return (int)(iris_diameter(node) * (half ? 0.25f : 0.5f)) + 2;
 }
 
 void scatter_plan(scatter *s, const ddof_context *ctx, const frame_job *job, const bokeh_limits *limits) {
@@ -24,57 +25,53 @@ void scatter_plan(scatter *s, const ddof_context *ctx, const frame_job *job, con
     const double width = f->picture_width ? f->picture_width : f->color.width;
     const double height = f->picture_width ? f->picture_height : f->color.height;
     *s = (scatter){.ctx = ctx, .iris = job->iris, .width = f->color.width, .height = f->color.height, .half = limits->half};
-    s->target_width = s->half ? (s->width + 1) / 2 : s->width;
-    s->target_height = s->half ? (s->height + 1) / 2 : s->height;
     s->aspect = (float)job->pixel_aspect;
     s->middle_x = (float)(0.5 * (width - 1) - f->offset_x);
     s->middle_y = (float)(0.5 * (height - 1) - f->offset_y);
     s->per_diagonal = (float)(2 / hypot(width, height / job->pixel_aspect));
     s->fringe = job->settings->iris.fringe != 0 && f->color.channels > 2;
-    const double most = (double)limits->largest * (1 + fabs(job->settings->iris.fringe));
-    s->nodes = iris_node((float)most) + 1;
-    for (int node = 0; node < s->nodes; node++) s->mask[node + 1] = s->mask[node] + PLACES * mask_width(s, node);
+    s->largest = limits->largest * (1 + fabsf((float)job->settings->iris.fringe));
+    s->first = limits->half;
+    s->levels = bokeh_level(iris_node(limits->largest), limits->half) + 1;
+    for (int l = 0; l < s->levels; l++) {
+        s->level[l].width = (s->width + (1 << l) - 1) >> l;
+        s->level[l].height = (s->height + (1 << l) - 1) >> l;
+    }
+    s->nodes = iris_node(s->largest) + 1;
+    for (int node = 0; node < s->nodes; node++) s->mask[node + 1] = s->mask[node] + PLACES * (2 * mask_reach(node, s->half) + 1);
+}
+
+static size_t line(size_t bytes) {
+    return (bytes + 63) / 64 * 64;
 }
 
 size_t scatter_take(scatter *s, void *base, int workers) {
-    const size_t masks = (size_t)s->nodes * PLACES, line = 64;
-    char *at = base;
+    const size_t masks = (size_t)s->nodes * PLACES, cached = (size_t)s->mask[s->nodes];
+    const size_t floats = cached + 2 * (size_t)mask_reach(s->nodes - 1, false) + 1;
+    const size_t head = line(sizeof *s->worker * (size_t)workers), one = line(floats * sizeof(float) + masks * sizeof(int));
+    char *at = (char *)base + head;
     s->worker = base;
-    at += (sizeof *s->worker * (size_t)workers + line - 1) / line * line;
-    const size_t spare = (size_t)s->mask[s->nodes], floats = spare + (size_t)mask_width(s, s->nodes - 1);
-    const size_t one = (floats * sizeof(float) + masks * sizeof(int) + line - 1) / line * line;
     for (int i = 0; i < workers && base; i++, at += one) {
         float *mask = (float *)(void *)at;
-        s->worker[i] = (scatter_masks){mask, (int *)(void *)(mask + floats), mask + spare, 0};
+        s->worker[i] = (scatter_masks){mask, (int *)(void *)(mask + floats), mask + cached, 0};
         memset(s->worker[i].made, 0, masks * sizeof(int));
     }
-    return (sizeof *s->worker * (size_t)workers + line - 1) / line * line + one * (size_t)workers;
+    return head + one * (size_t)workers;
 }
 
-int scatter_reach(const scatter *s, float largest) {
-    return (int)(0.5f * largest * (1 + fabsf(s->iris->shape.fringe)) * s->aspect) + 4;
-}
-
-/* What of the target's row a sprite covers. */
-typedef struct span {
-    int x0, x1;
-    float dx; /* of x0 */
-} span;
-
-static span span_of(const scatter *s, const bokeh_sprite *p, int node) {
-    const int middle = s->half ? p->x / 2 : p->x, reach = mask_reach(s, node);
-    const float off = !s->half ? 0 : p->x % 2 ? -0.25f : 0.25f;
-    return (span){middle - reach, middle + reach + 1, off - (float)reach};
+int scatter_reach(const scatter *s, int level) {
+    const bool last = level == s->levels - 1;
+    const float there = last ? s->largest : fminf(s->largest, 64.0f * (float)(1 << level) * 1.5f); /* fringe: half as much again */
+    return (int)(0.5f * there * s->aspect + (2 + s->aspect) * (float)(1 << level)) + 1;
 }
 
 /* Of a circle of light, not yet clipped; made once for a row of sprites where it depends on the node alone. */
-static const float *mask_of(const scatter *s, scatter_masks *w, const bokeh_sprite *p, int node, const iris_row *row, int count) {
+static const float *mask_of(const scatter *s, scatter_masks *w, int node, int place, const iris_row *row, int count) {
     const sprite_kernels *k = s->ctx->kernels->sprites;
     if (row->cat_x != 0 || row->cat_y != 0) {
         k->mask(s->iris, row, count, w->spare);
         return w->spare;
     }
-    const int place = (row->side < 0) * 2 + (s->half && p->x % 2);
     int *made = &w->made[node * PLACES + place];
     float *mask = w->mask + s->mask[node] + place * count;
     if (*made != w->row) k->mask(s->iris, row, count, mask);
@@ -89,51 +86,89 @@ static float cats_gain(const scatter *s, const iris_row *row) {
     return (1 - share) * s->iris->cats_gain[node] + share * s->iris->cats_gain[node + 1];
 }
 
-/* Some of a sprite's channels, which have this node, on row y of the target. */
-static void draw(const scatter *s, scatter_masks *w, const bokeh_sprite *p, int node, const float color[4], float one, int y) {
-    const iris_shape *shape = &s->iris->shape;
-    iris_row row = {.diameter = s->iris->diameter[node] * (s->half ? 0.5f : 1), .side = p->coc < 0 ? -1 : 1, .level = iris_level(node, s->half)};
-    const int middle = s->half ? p->y / 2 : p->y;
-    const float off = !s->half ? 0 : p->y % 2 ? -0.25f : 0.25f;
-    row.dy = (float)(y - middle) + off;
+/* Some of a sprite's channels, which have this node, on row y of a level. */
+static void draw(const scatter *s, scatter_masks *w, int level, const bokeh_sprite *p, int node, const float color[4], float one, int y) {
+    const bool half = level > 0;
+    const int u = half ? p->x >> (level - 1) : p->x, v = half ? p->y >> (level - 1) : p->y, table = table_node(node, level);
+    iris_row row = {.diameter = s->iris->diameter[table] * (half ? 0.5f : 1), .side = p->coc < 0 ? -1 : 1, .level = iris_level(table, half)};
+    row.dy = half ? (float)(y - v / 2) + (v % 2 ? -0.25f : 0.25f) : (float)(y - v);
     if (fabsf(row.dy) > 0.5f * row.diameter * s->aspect + 1 + s->aspect) return;
-    if (shape->cats_eye != 0) {
-        row.cat_x = ((float)p->x - s->middle_x) * s->per_diagonal * shape->cats_eye;
-        row.cat_y = (s->middle_y - (float)p->y) / s->aspect * s->per_diagonal * shape->cats_eye;
+    if (s->iris->shape.cats_eye != 0) {
+        row.cat_x = ((float)p->x - s->middle_x) * s->per_diagonal * s->iris->shape.cats_eye;
+        row.cat_y = (s->middle_y - (float)p->y) / s->aspect * s->per_diagonal * s->iris->shape.cats_eye;
     }
-    const span all = span_of(s, p, node);
-    row.dx = all.dx;
-    const float *mask = mask_of(s, w, p, node, &row, all.x1 - all.x0);
-    float gain = s->iris->inverse_sum[s->half][node], light[4];
+    const int middle = half ? u / 2 : u, reach = mask_reach(table, half), count = 2 * reach + 1, begin = middle - reach;
+    row.dx = (half ? u % 2 ? -0.25f : 0.25f : 0) - (float)reach;
+    const float *mask = mask_of(s, w, table, (p->coc < 0) * 2 + (half && u % 2), &row, count);
+    float gain = s->iris->inverse_sum[half][table], light[4];
     if (row.cat_x != 0 || row.cat_y != 0) gain *= cats_gain(s, &row);
     for (int c = 0; c < 4; c++) light[c] = color[c] * gain;
-    const int x0 = all.x0 > 0 ? all.x0 : 0, x1 = all.x1 < s->target_width ? all.x1 : s->target_width;
+    const scatter_level *l = &s->level[level];
+    const int x0 = begin > 0 ? begin : 0, x1 = begin + count < l->width ? begin + count : l->width;
     if (x0 >= x1) return;
-    const scatter_target *to = p->coc < 0 ? &s->near : &s->far;
-    const int step = s->half ? 2 : 1;
+    const scatter_target *to = p->coc < 0 ? &l->near : &l->far;
     float *rgba = (float *)(void *)((char *)to->rgba + to->row_stride * y) + 4 * (ptrdiff_t)x0;
-    float *weight = to->weight && one > 0 ? to->weight + (ptrdiff_t)s->target_width * y + x0 : NULL;
-    s->ctx->kernels->sprites->add(rgba, weight, mask + (x0 - all.x0), s->coc + (ptrdiff_t)s->width * step * y + step * (ptrdiff_t)x0,
-                                  step, x1 - x0, p->coc, light, one * gain);
+    float *weight = to->weight && one > 0 ? to->weight + (ptrdiff_t)l->width * y + x0 : NULL;
+    const float *coc = s->coc + (ptrdiff_t)s->width * ((ptrdiff_t)y << level) + ((ptrdiff_t)x0 << level);
+    s->ctx->kernels->sprites->add(rgba, weight, mask + (x0 - begin), coc, 1 << level, x1 - x0, p->coc, light, one * gain);
 }
 
-static void draw_fringed(const scatter *s, scatter_masks *w, const bokeh_sprite *p, int y) {
+static void draw_fringed(const scatter *s, scatter_masks *w, int level, const bokeh_sprite *p, int y) {
     const float fringe = p->coc < 0 ? -s->iris->shape.fringe : s->iris->shape.fringe, d = fabsf(p->coc);
     const float red[4] = {p->color[0], 0, 0, 0}, green[4] = {0, p->color[1], 0, p->color[3]}, blue[4] = {0, 0, p->color[2], 0};
-    draw(s, w, p, iris_node(d * (1 + fringe)), red, 0, y);
-    draw(s, w, p, p->node, green, p->one, y);
-    draw(s, w, p, iris_node(d * (1 - fringe)), blue, 0, y);
+    draw(s, w, level, p, iris_node(d * (1 + fringe)), red, 0, y);
+    draw(s, w, level, p, p->node, green, p->one, y);
+    draw(s, w, level, p, iris_node(d * (1 - fringe)), blue, 0, y);
 }
 
-void scatter_row(const scatter *s, int worker, const bokeh_sprite *sprite, int count, int y0, int y1) {
+void scatter_row(const scatter *s, int worker, int level, const bokeh_sprite *sprite, int count, int y0, int y1) {
     scatter_masks *w = &s->worker[worker];
     for (int y = y0; y < y1; y++) {
         w->row++;
         for (int i = 0; i < count; i++) {
+            if (bokeh_level(sprite[i].node, s->half) != level) continue;
             if (s->fringe)
-                draw_fringed(s, w, &sprite[i], y);
+                draw_fringed(s, w, level, &sprite[i], y);
             else
-                draw(s, w, &sprite[i], sprite[i].node, sprite[i].color, sprite[i].one, y);
+                draw(s, w, level, &sprite[i], sprite[i].node, sprite[i].color, sprite[i].one, y);
         }
     }
+}
+
+/* ---- the sums */
+
+/* The two pixels of a level of `width` that pixel x of the picture lies between, and the share of the second. */
+static void between(int x, int level, int width, int *first, int *second, float *share) {
+    const float at = ((float)x + 0.5f) / (float)(1 << level) - 0.5f, below = floorf(at);
+    *share = at - below;
+    *first = below > 0 ? (int)below : 0;
+    *second = (int)below + 1 < width ? (int)below + 1 : width - 1;
+}
+
+static void add_level(const scatter_level *l, int level, const float *sums, ptrdiff_t stride, int channels, int x, int y, float *out) {
+    int x0, x1, y0, y1;
+    float right, down;
+    between(x, level, l->width, &x0, &x1, &right);
+    between(y, level, l->height, &y0, &y1, &down);
+    const float *top = sums + stride * y0, *bottom = sums + stride * y1, part = 1 / (float)(1 << 2 * level);
+    for (int c = 0; c < channels; c++) {
+        const float above = (1 - right) * top[x0 * channels + c] + right * top[x1 * channels + c];
+        const float under = (1 - right) * bottom[x0 * channels + c] + right * bottom[x1 * channels + c];
+        out[c] += part * ((1 - down) * above + down * under);
+    }
+}
+
+void scatter_color(const scatter *s, int first, bool near, int x, int y, float rgba[4]) {
+    for (int c = 0; c < 4; c++) rgba[c] = 0;
+    for (int i = first; i < s->levels; i++) {
+        const scatter_target *t = near ? &s->level[i].near : &s->level[i].far;
+        add_level(&s->level[i], i, t->rgba, t->row_stride / (ptrdiff_t)sizeof(float), 4, x, y, rgba);
+    }
+}
+
+float scatter_weight(const scatter *s, bool near, int x, int y) {
+    float sum = 0;
+    for (int i = s->first; i < s->levels; i++)
+        add_level(&s->level[i], i, (near ? &s->level[i].near : &s->level[i].far)->weight, s->level[i].width, 1, x, y, &sum);
+    return sum;
 }

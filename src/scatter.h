@@ -9,11 +9,17 @@
 
 enum { SCATTER_BAND = 16 /* rows of the target */ };
 
+/* What is drawn into at a level. */
 typedef struct scatter_target {
     float *rgba;
     float *weight;        /* NULL: not wanted */
     ptrdiff_t row_stride; /* of rgba, bytes; weight is tight */
 } scatter_target;
+
+typedef struct scatter_level {
+    int width, height;
+    scatter_target far, near; /* near: may be the same */
+} scatter_level;
 
 /* Masks a worker has made of the row of sprites under work. */
 typedef struct scatter_masks {
@@ -28,10 +34,11 @@ typedef struct scatter {
     const iris *iris;
     const float *coc;    /* of the picture, tight, signed */
     int width, height;   /* of the picture */
-    int target_width, target_height;
     bool half, fringe;
     float middle_x, middle_y, per_diagonal, aspect; /* of the cat's eye: the whole picture's middle, in this one's pixels */
-    scatter_target far, near; /* near: may be the same */
+    int levels, first;                              /* the first is 1 where half */
+    scatter_level level[BOKEH_LEVELS];
+    float largest;            /* CoC of any channel, pixels */
     int nodes;                /* that occur */
     int mask[IRIS_NODES + 1]; /* where a node's masks begin, floats */
     scatter_masks *worker;
@@ -42,10 +49,14 @@ void scatter_plan(scatter *s, const ddof_context *ctx, const frame_job *job, con
 /* The workers' memory; base NULL: only counts. Returns bytes. */
 size_t scatter_take(scatter *s, void *base, int workers);
 
-/* How many rows of the picture a sprite may reach above and below its own. */
-int scatter_reach(const scatter *s, float largest);
+/* How many rows of the picture a sprite may lie above and below what it is drawn on, at a level. */
+int scatter_reach(const scatter *s, int level);
 
-/* Draws sprites of one row of the picture, `count` of them, on rows y0 to y1 - 1 of the target. */
-void scatter_row(const scatter *s, int worker, const bokeh_sprite *sprite, int count, int y0, int y1);
+/* Draws those sprites of a row of the picture that belong to a level on rows y0 to y1 - 1 of it. */
+void scatter_row(const scatter *s, int worker, int level, const bokeh_sprite *sprite, int count, int y0, int y1);
+
+/* Sums of the levels at pixel (x, y) of the picture, level `first` and up: of colour, or of weight. */
+void scatter_color(const scatter *s, int first, bool near, int x, int y, float rgba[4]);
+float scatter_weight(const scatter *s, bool near, int x, int y);
 
 #endif

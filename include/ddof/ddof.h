@@ -249,7 +249,9 @@ typedef enum ddof_bokeh {
 typedef enum ddof_resolution {
     DDOF_RESOLUTION_DEFAULT = 0, /* HIGHLIGHTS: FULL; DDOF_BOKEH_FULL: HALF */
     DDOF_RESOLUTION_FULL = 1,
-    DDOF_RESOLUTION_HALF = 2     /* sprites are added up in a picture of half the size, rounded up, which is then interpolated */
+    DDOF_RESOLUTION_HALF = 2     /* sprites are added up in a picture of half the size, rounded up, which is then interpolated. In
+                                    either case those larger than 64 pixels are in smaller ones: of 1/2 from there on, of 1/4
+                                    from 128 on, and so on */
 } ddof_resolution;
 
 /* How the Vulkan backend appends and draws sprites; the pictures are the same. For comparison: others ignore it. */
@@ -277,7 +279,8 @@ typedef struct ddof_sprites {
     int max_sprites;            /* HIGHLIGHTS: 1 to 2^20; 0: 65536. Where there are more highlights, or their areas add up to more
                                    than `max_area`, the threshold is raised until they do not: the brightest stay, and what is no
                                    longer above it is diffused. So no light is lost, and memory and time are bounded */
-    int max_area;               /* HIGHLIGHTS: sum of CoC^2, in pixels of the picture's, 1 to 1024; 0: 16 times the picture */
+    int max_area;               /* HIGHLIGHTS: of all sprites, each as the square around it at the resolution it is drawn at: so many times
+                                   the pixels of the picture, 1 to 1024; 0: 32 */
     ddof_resolution resolution;
     ddof_append append;         /* Vulkan only */
     ddof_quads quads;           /* Vulkan only */

@@ -12,6 +12,11 @@ float bokeh_share(float d) {
     return smoothstep(BOKEH_LEAST, BOKEH_WHOLE, abs(d));
 }
 
+// The level that a sprite of a node of iris.glsl is drawn at, in a target of 1/2^level of the size.
+int bokeh_level(float node, bool half_size) {
+    return clamp(int(floor(node / 64.0)) - 5, half_size ? 1 : 0, 7);
+}
+
 float bokeh_brightness(vec3 color) {
     return max(color.r, max(color.g, color.b));
 }
