@@ -34,7 +34,7 @@ static const char *check_sprites(const ddof_sprites *s) {
     if (s->threshold != 0 && !within(s->threshold, 1e-30, 1e30)) return "sprites.threshold must be above 0, or 0 for 1";
     if (!within(s->limit, 0, 1)) return "sprites.limit must be 0 to 1, a fraction of the picture's width";
     if (s->max_sprites < 0 || s->max_sprites > 1 << 20) return "sprites.max_sprites must be 1 to 1048576, or 0 for 65536";
-    if (s->max_area < 0 || s->max_area > 1024) return "sprites.max_area must be 1 to 1024, or 0 for 32";
+    if (s->max_area < 0 || s->max_area > 1024) return "sprites.max_area must be 1 to 1024, or 0 for 64";
     if (s->resolution < DDOF_RESOLUTION_DEFAULT || s->resolution > DDOF_RESOLUTION_HALF)
         return "sprites.resolution is none of ddof_resolution";
     if (s->append < DDOF_APPEND_DEFAULT || s->append > DDOF_APPEND_ARGUMENTS) return "sprites.append is none of ddof_append";
@@ -58,7 +58,7 @@ bokeh_limits bokeh_limits_of(const frame_job *job) {
     return (bokeh_limits){.threshold = s->threshold > 0 ? (float)s->threshold : 1,
                           .largest = (float)fmin(fmax(largest, 1), (double)IRIS_MOST),
                           .max_sprites = s->max_sprites ? s->max_sprites : 65536,
-                          .max_area = (s->max_area ? s->max_area : 32) * width * height,
+                          .max_area = (s->max_area ? s->max_area : 64) * width * height,
                           .half = s->resolution == DDOF_RESOLUTION_DEFAULT ? full : s->resolution == DDOF_RESOLUTION_HALF};
 }
 

@@ -280,7 +280,7 @@ typedef struct ddof_sprites {
                                    than `max_area`, the threshold is raised until they do not: the brightest stay, and what is no
                                    longer above it is diffused. So no light is lost, and memory and time are bounded */
     int max_area;               /* HIGHLIGHTS: of all sprites, each as the square around it at the resolution it is drawn at: so many times
-                                   the pixels of the picture, 1 to 1024; 0: 32 */
+                                   the pixels of the picture, 1 to 1024; 0: 64 */
     ddof_resolution resolution;
     ddof_append append;         /* Vulkan only */
     ddof_quads quads;           /* Vulkan only */
