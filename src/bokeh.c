@@ -89,16 +89,21 @@ float bokeh_raise(const bokeh_limits *limits, const int64_t count[BOKEH_BINS], c
 
 /* ---- memory */
 
+/* RGBA float, rows `stride` bytes apart. */
+typedef struct pixels {
+    char *base;
+    ptrdiff_t stride;
+} pixels;
+
 typedef struct work {
     ddof_context *ctx;
     frame_job *job;
     const cpu_kernels *k;
     bokeh_limits limits;
     int width, height, colors, chunks;
-    bool straight, direct; /* direct: the picture lies in the caller's output */
+    bool straight, direct; /* direct: the result is the caller's output */
     ddof_image color, output; /* the caller's, resolved, alpha as it comes */
-    char *picture;            /* RGBA float */
-    ptrdiff_t stride;         /* of its rows, bytes */
+    pixels picture, result;   /* what light is taken from; what it is drawn on, after the blur. May be the same */
     float *coc;
     float *peak;              /* the brightest of each chunk */
     int *first;               /* sprite of a row; height + 1 */
@@ -107,7 +112,9 @@ typedef struct work {
     scatter scatter;
     void *rest;               /* the backend's, or the targets and the workers' masks */
     float raised;             /* the threshold */
-    int level;                /* that is drawn */
+    int level;                /* under work */
+    int64_t drawn[BOKEH_LEVELS]; /* HIGHLIGHTS: sprites of each */
+    float *sums;              /* FULL: per worker, of a row: far and near, RGBA and weight */
     atomic_llong large, holes;
     atomic_llong count[BOKEH_BINS], area[BOKEH_BINS];
 } work;
@@ -122,27 +129,46 @@ static int workers(const ddof_context *ctx) {
     return ctx->pool ? ctx->threads : ctx->config.threads;
 }
 
-/* Pictures of sprites: HIGHLIGHTS draws level 0 into the picture itself. */
+static void take_target(work *w, char *base, size_t *used, int level, scatter_target *t) {
+    const scatter_level *l = &w->scatter.level[level];
+    const size_t n = (size_t)l->width * (size_t)l->height;
+    const bool full = w->job->method == DDOF_METHOD_SCATTER;
+    *t = (scatter_target){.rgba = (float *)(void *)w->result.base, .row_stride = w->result.stride};
+    if (!full && level == 0) return;
+    t->row_stride = (ptrdiff_t)sizeof(float) * 4 * l->width;
+    t->rgba = take(base, used, n * 4 * sizeof(float));
+    if (full) t->weight = take(base, used, n * sizeof(float));
+    if (base) memset(t->rgba, 0, n * 4 * sizeof(float));
+    if (base && full) memset(t->weight, 0, n * sizeof(float));
+}
+
+/* Pictures of the levels that have sprites; HIGHLIGHTS draws level 0 into the picture itself. */
 static size_t take_targets(work *w, char *base) {
     scatter *s = &w->scatter;
     const bool full = w->job->method == DDOF_METHOD_SCATTER;
     size_t used = 0;
-    for (int l = s->first; l < s->levels; l++) {
-        const size_t n = (size_t)s->level[l].width * (size_t)s->level[l].height;
-        scatter_target *target[2] = {&s->level[l].far, &s->level[l].near};
-        for (int i = 0; i < (full ? 2 : 1); i++) {
-            *target[i] = (scatter_target){.row_stride = (ptrdiff_t)sizeof(float) * 4 * s->level[l].width};
-            if (full) target[i]->weight = take(base, &used, n * sizeof(float));
-            if (full || l > 0)
-                target[i]->rgba = take(base, &used, n * 4 * sizeof(float));
-            else
-                *target[i] = (scatter_target){.rgba = (float *)(void *)w->picture, .row_stride = w->stride};
-        }
-        if (!full) s->level[l].near = s->level[l].far;
+    for (int i = s->first; i < s->levels; i++) {
+        scatter_level *l = &s->level[i];
+        if (base && !full && !w->drawn[i]) continue;
+        l->begin = take(base, &used, (size_t)l->height * sizeof(int));
+        l->end = take(base, &used, (size_t)l->height * sizeof(int));
+        take_target(w, base, &used, i, &l->far);
+        l->near = l->far;
+        if (full) take_target(w, base, &used, i, &l->near);
+        for (int y = 0; y < l->height && base; y++) l->begin[y] = l->width, l->end[y] = 0;
     }
-    if (base) memset(base, 0, used);
     const size_t masks = scatter_take(s, base ? base + used : NULL, workers(w->ctx));
     return used + masks;
+}
+
+/* The blur of what is left. */
+static void inner_of(const work *w, inner_job *inner) {
+    const ddof_image part = ddof_image_interleaved(w->picture.base, w->width, w->height, 4, DDOF_FLOAT, w->picture.stride);
+    const ddof_image map = ddof_image_interleaved(w->coc, w->width, w->height, 1, DDOF_FLOAT, 0);
+    pipeline_inner(inner, w->job, &part, &map, 0, 0);
+    inner->frame.output = ddof_image_interleaved(w->result.base, w->width, w->height, 4, DDOF_FLOAT, w->result.stride);
+    inner->job.highlights = false;
+    inner->settings.bokeh = DDOF_BOKEH_OFF;
 }
 
 static size_t lay_out(work *w, ddof_context *ctx, frame_job *job, char *base) {
@@ -160,14 +186,19 @@ static size_t lay_out(work *w, ddof_context *ctx, frame_job *job, char *base) {
     w->chunks = (w->width + CHUNK - 1) / CHUNK;
     const size_t n = (size_t)w->width * (size_t)w->height, tall = (size_t)w->height;
     const bool full = job->method == DDOF_METHOD_SCATTER;
-    w->picture = w->direct ? w->output.plane[0].data : take(base, &used, n * 4 * sizeof(float));
-    w->stride = w->direct ? w->output.plane[0].row_stride : (ptrdiff_t)sizeof(float) * 4 * w->width;
+    w->result = (pixels){w->output.plane[0].data, w->output.plane[0].row_stride};
+    w->picture = w->result;
+    /* a disc of several components wants its source until the end: in place it would keep a sum of its own */
+    if (!w->direct || (job->disc && !full))
+        w->picture = (pixels){take(base, &used, n * 4 * sizeof(float)), (ptrdiff_t)sizeof(float) * 4 * w->width};
+    if (!w->direct) w->result = w->picture;
     w->coc = take(base, &used, n * sizeof(float));
     w->peak = take(base, &used, (size_t)w->chunks * tall * sizeof(float));
     w->first = take(base, &used, (tall + 1) * sizeof(int));
     const size_t most = (size_t)w->limits.max_sprites < n ? (size_t)w->limits.max_sprites : n;
     if (!full) w->sprite = take(base, &used, most * sizeof(bokeh_sprite));
     if (full) w->listed = take(base, &used, (size_t)w->width * (size_t)workers(ctx) * sizeof(bokeh_sprite));
+    if (full) w->sums = take(base, &used, 10 * (size_t)w->width * (size_t)workers(ctx) * sizeof(float));
     w->rest = take(base, &used, 0);
     scatter_plan(&w->scatter, ctx, job, &w->limits);
     w->scatter.coc = w->coc;
@@ -177,9 +208,7 @@ static size_t lay_out(work *w, ddof_context *ctx, frame_job *job, char *base) {
         return used + (fill > drawing ? fill : drawing);
     }
     inner_job inner;
-    const ddof_image part = ddof_image_interleaved(w->picture, w->width, w->height, 4, DDOF_FLOAT, w->stride);
-    const ddof_image map = ddof_image_interleaved(w->coc, w->width, w->height, 1, DDOF_FLOAT, 0);
-    pipeline_inner(&inner, job, &part, &map, 0, 0);
+    inner_of(w, &inner);
     const size_t blur = ctx->backend->scratch_bytes(ctx, &inner.job);
     return used + (blur > drawing ? blur : drawing);
 }
@@ -212,8 +241,12 @@ static ddof_status rows(work *w, int height, void (*do_rows)(work *w, int worker
     return w->ctx->cancelled ? DDOF_ERROR_CANCELLED : DDOF_OK;
 }
 
+static inline float *at(pixels p, int x, int y) {
+    return (float *)(void *)(p.base + p.stride * y) + 4 * (ptrdiff_t)x;
+}
+
 static float *pixel_at(const work *w, int x, int y) {
-    return (float *)(void *)(w->picture + w->stride * y) + 4 * (ptrdiff_t)x;
+    return at(w->picture, x, y);
 }
 
 static float *coc_at(const work *w, int x, int y) {
@@ -230,7 +263,9 @@ static void load_rows(work *w, int worker, int y0, int y1) {
     image_resolve(&map);
     for (int y = y0; y < y1; y++) {
         float *rgba = pixel_at(w, 0, y), *coc = coc_at(w, 0, y);
-        if (!w->direct || w->color.plane[0].data != w->output.plane[0].data)
+        if (image_is_rgba(&w->color) && !w->straight && (void *)rgba != image_at(&w->color, 0, 0, y))
+            memcpy(rgba, image_at(&w->color, 0, 0, y), 4 * (size_t)w->width * sizeof *rgba);
+        else if (!image_is_rgba(&w->color) || w->straight)
             span_load(&w->color, 0, y, w->width, rgba, w->straight, w->k->pixels);
         plane_load(&map, 0, 0, y, w->width, coc, w->k->pixels);
         if (job->is_depth) w->k->pixels->lens(&job->curve, coc, coc, w->width, job->frame->offset_x, y + job->frame->offset_y);
@@ -336,18 +371,18 @@ static void count_kept_rows(work *w, int worker, int y0, int y1) {
 }
 
 static void list_one(work *w, int x, int y, const candidate *c, void *user) {
-    int *at = user;
+    int *next = user;
     if (c->large) return;
     const float *rgba = pixel_at(w, x, y), part = c->share * (c->v - w->raised) / c->v;
-    bokeh_sprite *s = &w->sprite[w->first[y] + at[y % BAND]++];
+    bokeh_sprite *s = &w->sprite[w->first[y] + next[y % BAND]++];
     *s = (bokeh_sprite){.x = x, .y = y, .coc = c->coc, .node = iris_node(fabsf(c->coc))};
     for (int i = 0; i < w->colors; i++) s->color[i] = rgba[i] * part;
 }
 
 static void list_rows(work *w, int worker, int y0, int y1) {
-    int at[BAND] = {0};
+    int next[BAND] = {0};
     (void)worker;
-    candidates(w, y0, y1, w->raised, list_one, at);
+    candidates(w, y0, y1, w->raised, list_one, next);
 }
 
 static void take_rows(work *w, int worker, int y0, int y1) {
@@ -382,11 +417,7 @@ static ddof_status select_highlights(work *w) {
 
 static ddof_status blur_rest(work *w) {
     inner_job inner;
-    const ddof_image part = ddof_image_interleaved(w->picture, w->width, w->height, 4, DDOF_FLOAT, w->stride);
-    const ddof_image map = ddof_image_interleaved(w->coc, w->width, w->height, 1, DDOF_FLOAT, 0);
-    pipeline_inner(&inner, w->job, &part, &map, 0, 0);
-    inner.job.highlights = false;
-    inner.settings.bokeh = DDOF_BOKEH_OFF;
+    inner_of(w, &inner);
     const ddof_status status = w->ctx->backend->diffuse(w->ctx, &inner.job, w->rest);
     w->job->nonfinite_pixels += inner.job.nonfinite_pixels;
     return status;
@@ -412,21 +443,17 @@ static void highlight_rows(work *w, int worker, int y0, int y1) {
 static ddof_status all_levels(work *w, void (*do_rows)(work *w, int worker, int y0, int y1)) {
     ddof_status status = DDOF_OK;
     for (w->level = w->scatter.first; w->level < w->scatter.levels && status == DDOF_OK; w->level++)
-        status = rows(w, w->scatter.level[w->level].height, do_rows);
+        if (w->scatter.level[w->level].begin) status = rows(w, w->scatter.level[w->level].height, do_rows);
     return status;
 }
 
 static void add_rows(work *w, int worker, int y0, int y1) {
     (void)worker;
-    for (int y = y0; y < y1; y++)
-        for (int x = 0; x < w->width; x++) {
-            float sum[4], *rgba = pixel_at(w, x, y);
-            scatter_color(&w->scatter, 1, false, x, y, sum);
-            for (int c = 0; c < w->colors; c++) rgba[c] += sum[c];
-        }
+    for (int y = y0; y < y1; y++) scatter_sum_row(&w->scatter, 1, false, y, at(w->result, 0, y), NULL);
 }
 
 static ddof_status draw_highlights(work *w) {
+    for (int i = 0; i < w->first[w->height]; i++) w->drawn[bokeh_level(w->sprite[i].node, w->limits.half)]++;
     take_targets(w, w->rest);
     const ddof_status status = all_levels(w, highlight_rows);
     return status == DDOF_OK && w->scatter.levels > 1 ? rows(w, w->height, add_rows) : status;
@@ -465,7 +492,7 @@ static ddof_status fill_holes(work *w) {
     w->job->nonfinite_pixels = w->holes;
     if (status != DDOF_OK || !w->holes) return status;
     fill_picture p = {.channels = 4, .width = w->width, .height = w->height, .load = known_color, .user = w};
-    status = fill_unknown(w->ctx, &p, pixel_at(w, 0, 0), w->stride, w->rest);
+    status = fill_unknown(w->ctx, &p, pixel_at(w, 0, 0), w->picture.stride, w->rest);
     p.channels = 1;
     p.load = known_coc;
     return status == DDOF_OK ? fill_unknown(w->ctx, &p, w->coc, (ptrdiff_t)sizeof(float) * w->width, w->rest) : status;
@@ -494,31 +521,26 @@ static void full_rows(work *w, int worker, int y0, int y1) {
     }
 }
 
-/* The mean of the sprites at a pixel; false: there are none. */
-static bool mean_at(const scatter *s, bool near, int x, int y, float *mean, float *weight) {
-    *weight = scatter_weight(s, near, x, y);
-    if (!(*weight > BOKEH_EMPTY)) return false;
-    scatter_color(s, s->first, near, x, y, mean);
-    for (int c = 0; c < 4; c++) mean[c] /= *weight;
-    return true;
-}
-
-static void mix(float *rgba, const float *other, float share) {
-    for (int c = 0; c < 4; c++) rgba[c] += share * (other[c] - rgba[c]);
+/* rgba towards the mean of sprites with these sums. */
+static void mix(float *rgba, const float *sum, float weight, float share) {
+    for (int c = 0; c < 4; c++) rgba[c] += share * (sum[c] / weight - rgba[c]);
 }
 
 static void compose_rows(work *w, int worker, int y0, int y1) {
-    (void)worker;
-    for (int y = y0; y < y1; y++)
-        for (int x = 0; x < w->width; x++) {
-            float far[4], near[4], f, n, *rgba = pixel_at(w, x, y);
-            const float coc = *coc_at(w, x, y), own = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
-            const bool some_far = mean_at(&w->scatter, false, x, y, far, &f);
-            const bool some_near = mean_at(&w->scatter, true, x, y, near, &n);
-            if (coc > 0 && some_far) mix(rgba, far, own);
-            if (coc < 0 && some_near) mix(rgba, near, own);
-            if (some_near) mix(rgba, near, n < 1 ? n : 1);
+    const ptrdiff_t wide = w->width;
+    float *far = w->sums + 10 * wide * worker, *f = far + 4 * wide, *near = f + wide, *n = near + 4 * wide;
+    for (int y = y0; y < y1; y++) {
+        memset(far, 0, 10 * (size_t)wide * sizeof(float));
+        scatter_sum_row(&w->scatter, w->scatter.first, false, y, far, f);
+        scatter_sum_row(&w->scatter, w->scatter.first, true, y, near, n);
+        for (ptrdiff_t x = 0; x < wide; x++) {
+            float *rgba = pixel_at(w, (int)x, y);
+            const float coc = *coc_at(w, (int)x, y), own = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
+            if (coc > 0 && f[x] > BOKEH_EMPTY) mix(rgba, far + 4 * x, f[x], own);
+            if (coc < 0 && n[x] > BOKEH_EMPTY) mix(rgba, near + 4 * x, n[x], own);
+            if (n[x] > BOKEH_EMPTY) mix(rgba, near + 4 * x, n[x], n[x] < 1 ? n[x] : 1);
         }
+    }
 }
 
 static ddof_status draw_all(work *w) {
@@ -531,7 +553,7 @@ static ddof_status draw_all(work *w) {
 
 static void store_rows(work *w, int worker, int y0, int y1) {
     (void)worker;
-    for (int y = y0; y < y1; y++) span_store(&w->output, 0, y, w->width, pixel_at(w, 0, y), w->straight, w->k->pixels);
+    for (int y = y0; y < y1; y++) span_store(&w->output, 0, y, w->width, at(w->result, 0, y), w->straight, w->k->pixels);
 }
 
 ddof_status bokeh_blur(ddof_context *ctx, frame_job *job, void *scratch) {

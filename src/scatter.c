@@ -15,11 +15,6 @@ static int table_node(int node, int level) {
     return level > 1 ? node - (level - 1) * IRIS_OCTAVE : node;
 }
 
-/* Pixels from a sprite's middle to the ends of its masks, by table_node(). */
-static int mask_reach(int node, bool half) {
-    return (int)(iris_diameter(node) * (half ? 0.25f : 0.5f)) + 2;
-}
-
 void scatter_plan(scatter *s, const ddof_context *ctx, const frame_job *job, const bokeh_limits *limits) {
     const ddof_frame *f = job->frame;
     const double width = f->picture_width ? f->picture_width : f->color.width;
@@ -38,7 +33,10 @@ void scatter_plan(scatter *s, const ddof_context *ctx, const frame_job *job, con
         s->level[l].height = (s->height + (1 << l) - 1) >> l;
     }
     s->nodes = iris_node(s->largest) + 1;
-    for (int node = 0; node < s->nodes; node++) s->mask[node + 1] = s->mask[node] + PLACES * (2 * mask_reach(node, s->half) + 1);
+    for (int node = 0; node < s->nodes; node++) {
+        for (int half = 0; half < 2; half++) s->reach[half][node] = (short)(iris_diameter(node) * (half ? 0.25f : 0.5f) + 2);
+        s->mask[node + 1] = s->mask[node] + PLACES * (2 * s->reach[s->half][node] + 1);
+    }
 }
 
 static size_t line(size_t bytes) {
@@ -47,7 +45,7 @@ static size_t line(size_t bytes) {
 
 size_t scatter_take(scatter *s, void *base, int workers) {
     const size_t masks = (size_t)s->nodes * PLACES, cached = (size_t)s->mask[s->nodes];
-    const size_t floats = cached + 2 * (size_t)mask_reach(s->nodes - 1, false) + 1;
+    const size_t floats = cached + 2 * (size_t)s->reach[0][s->nodes - 1] + 1;
     const size_t head = line(sizeof *s->worker * (size_t)workers), one = line(floats * sizeof(float) + masks * sizeof(int));
     char *at = (char *)base + head;
     s->worker = base;
@@ -79,6 +77,14 @@ static const float *mask_of(const scatter *s, scatter_masks *w, int node, int pl
     return mask;
 }
 
+/* Pixels to either side of the middle that a row of a mask may cover: shapes lie in their circle, images in a square. */
+static int reach_on(const scatter *s, const iris_row *row, int most) {
+    if (s->iris->shape.kind == DDOF_IRIS_IMAGE) return most;
+    const float radius = 0.5f * row->diameter + 0.5f, up = row->dy / s->aspect, across = radius * radius - up * up;
+    const int reach = across > 0 ? (int)sqrtf(across) + 1 : 1;
+    return reach < most ? reach : most;
+}
+
 static float cats_gain(const scatter *s, const iris_row *row) {
     const float at = fminf(hypotf(row->cat_x, row->cat_y), 1) * (IRIS_CATS - 1);
     const int node = at < IRIS_CATS - 2 ? (int)at : IRIS_CATS - 2;
@@ -97,7 +103,7 @@ static void draw(const scatter *s, scatter_masks *w, int level, const bokeh_spri
         row.cat_x = ((float)p->x - s->middle_x) * s->per_diagonal * s->iris->shape.cats_eye;
         row.cat_y = (s->middle_y - (float)p->y) / s->aspect * s->per_diagonal * s->iris->shape.cats_eye;
     }
-    const int middle = half ? u / 2 : u, reach = mask_reach(table, half), count = 2 * reach + 1, begin = middle - reach;
+    const int reach = reach_on(s, &row, s->reach[half][table]), count = 2 * reach + 1, begin = (half ? u / 2 : u) - reach;
     row.dx = (half ? u % 2 ? -0.25f : 0.25f : 0) - (float)reach;
     const float *mask = mask_of(s, w, table, (p->coc < 0) * 2 + (half && u % 2), &row, count);
     float gain = s->iris->inverse_sum[half][table], light[4];
@@ -107,6 +113,8 @@ static void draw(const scatter *s, scatter_masks *w, int level, const bokeh_spri
     const int x0 = begin > 0 ? begin : 0, x1 = begin + count < l->width ? begin + count : l->width;
     if (x0 >= x1) return;
     const scatter_target *to = p->coc < 0 ? &l->near : &l->far;
+    if (x0 < l->begin[y]) l->begin[y] = x0;
+    if (x1 > l->end[y]) l->end[y] = x1;
     float *rgba = (float *)(void *)((char *)to->rgba + to->row_stride * y) + 4 * (ptrdiff_t)x0;
     float *weight = to->weight && one > 0 ? to->weight + (ptrdiff_t)l->width * y + x0 : NULL;
     const float *coc = s->coc + (ptrdiff_t)s->width * ((ptrdiff_t)y << level) + ((ptrdiff_t)x0 << level);
@@ -137,38 +145,52 @@ void scatter_row(const scatter *s, int worker, int level, const bokeh_sprite *sp
 
 /* ---- the sums */
 
+typedef float pixel __attribute__((vector_size(16)));
+
+static inline pixel load(const float *p) {
+    pixel v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
 /* The two pixels of a level of `width` that pixel x of the picture lies between, and the share of the second. */
-static void between(int x, int level, int width, int *first, int *second, float *share) {
-    const float at = ((float)x + 0.5f) / (float)(1 << level) - 0.5f, below = floorf(at);
-    *share = at - below;
-    *first = below > 0 ? (int)below : 0;
-    *second = (int)below + 1 < width ? (int)below + 1 : width - 1;
+static inline void between(int x, int level, int width, int *first, int *second, float *share) {
+    const int at = 2 * x + 1 - (1 << level), below = at >> (level + 1);
+    *share = (float)(at - below * (2 << level)) / (float)(2 << level);
+    *first = below > 0 ? below : 0;
+    *second = below + 1 < width ? below + 1 : width - 1;
 }
 
-static void add_level(const scatter_level *l, int level, const float *sums, ptrdiff_t stride, int channels, int x, int y, float *out) {
-    int x0, x1, y0, y1;
-    float right, down;
-    between(x, level, l->width, &x0, &x1, &right);
+static void sum_level(const scatter_level *l, int level, const scatter_target *t, int y, int width, float *rgba, float *weight) {
+    int y0, y1;
+    float down;
     between(y, level, l->height, &y0, &y1, &down);
-    const float *top = sums + stride * y0, *bottom = sums + stride * y1, part = 1 / (float)(1 << 2 * level);
-    for (int c = 0; c < channels; c++) {
-        const float above = (1 - right) * top[x0 * channels + c] + right * top[x1 * channels + c];
-        const float under = (1 - right) * bottom[x0 * channels + c] + right * bottom[x1 * channels + c];
-        out[c] += part * ((1 - down) * above + down * under);
+    int begin = l->begin[y0] < l->begin[y1] ? l->begin[y0] : l->begin[y1], end = l->end[y0] > l->end[y1] ? l->end[y0] : l->end[y1];
+    begin = begin > 0 ? (begin - 1) << level : 0; /* interpolation reaches one pixel farther */
+    end = end + 1 < l->width ? (end + 1) << level : width;
+    end = end < width ? end : width;
+    const float *top = (const float *)(const void *)((const char *)t->rgba + t->row_stride * y0), part = 1 / (float)(1 << 2 * level);
+    const float *bottom = (const float *)(const void *)((const char *)t->rgba + t->row_stride * y1);
+    const float upper = part * (1 - down), lower = part * down;
+    for (int x = begin; x < end; x++) {
+        int x0, x1;
+        float right;
+        between(x, level, l->width, &x0, &x1, &right);
+        const pixel left = upper * load(top + 4 * (ptrdiff_t)x0) + lower * load(bottom + 4 * (ptrdiff_t)x0);
+        const pixel next = upper * load(top + 4 * (ptrdiff_t)x1) + lower * load(bottom + 4 * (ptrdiff_t)x1);
+        const pixel sum = load(rgba + 4 * (ptrdiff_t)x) + ((1 - right) * left + right * next);
+        memcpy(rgba + 4 * (ptrdiff_t)x, &sum, sizeof sum);
+    }
+    const float *above = t->weight + (ptrdiff_t)l->width * y0, *under = t->weight + (ptrdiff_t)l->width * y1;
+    for (int x = begin; x < end && weight; x++) {
+        int x0, x1;
+        float right;
+        between(x, level, l->width, &x0, &x1, &right);
+        weight[x] += (1 - right) * (upper * above[x0] + lower * under[x0]) + right * (upper * above[x1] + lower * under[x1]);
     }
 }
 
-void scatter_color(const scatter *s, int first, bool near, int x, int y, float rgba[4]) {
-    for (int c = 0; c < 4; c++) rgba[c] = 0;
-    for (int i = first; i < s->levels; i++) {
-        const scatter_target *t = near ? &s->level[i].near : &s->level[i].far;
-        add_level(&s->level[i], i, t->rgba, t->row_stride / (ptrdiff_t)sizeof(float), 4, x, y, rgba);
-    }
-}
-
-float scatter_weight(const scatter *s, bool near, int x, int y) {
-    float sum = 0;
-    for (int i = s->first; i < s->levels; i++)
-        add_level(&s->level[i], i, (near ? &s->level[i].near : &s->level[i].far)->weight, s->level[i].width, 1, x, y, &sum);
-    return sum;
+void scatter_sum_row(const scatter *s, int first, bool near, int y, float *rgba, float *weight) {
+    for (int i = first; i < s->levels; i++)
+        if (s->level[i].begin) sum_level(&s->level[i], i, near ? &s->level[i].near : &s->level[i].far, y, s->width, rgba, weight);
 }

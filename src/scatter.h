@@ -19,6 +19,7 @@ typedef struct scatter_target {
 typedef struct scatter_level {
     int width, height;
     scatter_target far, near; /* near: may be the same */
+    int *begin, *end;         /* of what was drawn on each row, pixels; begin >= end: nothing */
 } scatter_level;
 
 /* Masks a worker has made of the row of sprites under work. */
@@ -40,6 +41,7 @@ typedef struct scatter {
     scatter_level level[BOKEH_LEVELS];
     float largest;            /* CoC of any channel, pixels */
     int nodes;                /* that occur */
+    short reach[2][IRIS_NODES]; /* pixels from a sprite's middle to the ends of its masks, at level 0 and above */
     int mask[IRIS_NODES + 1]; /* where a node's masks begin, floats */
     scatter_masks *worker;
 } scatter;
@@ -55,8 +57,7 @@ int scatter_reach(const scatter *s, int level);
 /* Draws those sprites of a row of the picture that belong to a level on rows y0 to y1 - 1 of it. */
 void scatter_row(const scatter *s, int worker, int level, const bokeh_sprite *sprite, int count, int y0, int y1);
 
-/* Sums of the levels at pixel (x, y) of the picture, level `first` and up: of colour, or of weight. */
-void scatter_color(const scatter *s, int first, bool near, int x, int y, float rgba[4]);
-float scatter_weight(const scatter *s, bool near, int x, int y);
+/* Adds the sums of level `first` and up to a row of the picture: of colour, and where not NULL of weight. */
+void scatter_sum_row(const scatter *s, int first, bool near, int y, float *rgba, float *weight);
 
 #endif

@@ -135,13 +135,13 @@ static void mask(const iris *of, const iris_row *row, int count, float *out) {
 /* bokeh_visible() of bokeh.h, without its branches. */
 static void visible(const float *coc, int step, int count, float sprite, float *out) {
     const float inverse = 1 / sprite;
+    float gathered[CHUNK];
+    for (int i = 0; i < count && step > 1; i++) gathered[i] = coc[i * (ptrdiff_t)step];
+    const float *p = step > 1 ? gathered : coc;
     if (sprite > 0)
-        for (int i = 0; i < count; i++) out[i] = coc[i * (ptrdiff_t)step] * inverse;
+        for (int i = 0; i < count; i++) out[i] = p[i] * inverse;
     else
-        for (int i = 0; i < count; i++) {
-            const float p = coc[i * (ptrdiff_t)step];
-            out[i] = p >= sprite ? 1 : sprite / p;
-        }
+        for (int i = 0; i < count; i++) out[i] = p[i] >= sprite ? 1 : sprite / p[i];
     for (int i = 0; i < count; i++) {
         const float t = most(least((out[i] - 0.25f) * 2, 1), 0);
         out[i] = t * t * (3 - 2 * t);
