@@ -76,9 +76,10 @@ static void report_human(const job *j, const options *o, const session *s, const
     printf("solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
            r->stats.device, r->stats.threads, r->stats.threads == 1 ? "" : "s", j->decode_ms, r->time.encode, total);
     session_print_gpu(s, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
-    if (j->settings.bokeh != DDOF_BOKEH_OFF)
-        printf("bokeh %s: %lld pixel%s drawn, iris %s\n", bokeh_name(j->settings.bokeh), (long long)r->stats.sprites,
-               r->stats.sprites == 1 ? "" : "s", bokeh_iris_text(o));
+    if (j->settings.bokeh == DDOF_BOKEH_HIGHLIGHTS)
+        printf("bokeh: %lld highlight pixel%s drawn, iris %s\n", (long long)r->stats.sprites, r->stats.sprites == 1 ? "" : "s",
+               bokeh_iris_text(o));
+    if (j->settings.bokeh == DDOF_BOKEH_FULL) printf("bokeh: all pixels out of focus drawn, iris %s\n", bokeh_iris_text(o));
     if (option_given(o, OPT_PREVIEW)) printf("%s: before and after\n", option_text(o, OPT_PREVIEW));
 }
 
