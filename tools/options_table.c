@@ -127,7 +127,7 @@ const option_spec option_table[OPT_COUNT] = {
     [OPT_MAX_SPRITES] = {"max-sprites", 0, KIND_INTEGER, "N", "10000",
         "--bokeh highlights: so many pixels are drawn at most, the brightest (default 65536)", R | B, 1, 1 << 20, false, NULL},
     [OPT_MAX_SPRITE_AREA] = {"max-sprite-area", 0, KIND_INTEGER, "N", "4",
-        "--bokeh highlights: their CoC squared adds up to N times the picture at most (default 16)", R | B, 1, 1024, false, NULL},
+        "--bokeh highlights: the squares around them add up to N times the picture at most (default 64)", R | B, 1, 1024, false, NULL},
     [OPT_BOKEH_RESOLUTION] = {"bokeh-resolution", 0, KIND_CHOICE, "SIZE", "half",
         "full|half: size of the picture that is drawn into (default full; --bokeh full: half)", R | B, 0, 0, 0, "full|half"},
     [OPT_APPEND] = {"append", 0, KIND_CHOICE, "HOW", "arguments",

@@ -32,7 +32,7 @@ check "disc: two sprites" test "$(member sprites) $(member sprites_dropped) $(me
 check "disc: no note" test ! -s "$work/err"
 cp "$out" "$work/disc.exr"
 asked "disc, highlights" diffusion disc highlights --kernel disc --bokeh highlights --iris disc --bokeh-threshold 1 --bokeh-limit 25% \
-    --max-sprites 65536 --max-sprite-area 16 --bokeh-resolution full
+    --max-sprites 65536 --max-sprite-area 64 --bokeh-resolution full
 check "these are the defaults of disc" cmp "$out" "$work/disc.exr"
 asked "disc, off" diffusion disc off --kernel disc --bokeh off
 cp "$out" "$work/off.exr"
