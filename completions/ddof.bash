@@ -7,14 +7,15 @@ _ddof_options() {
     local blur="--layer --depth --depth-kind --near --far --coc --coc-scale --camera --render --focal-length
         --sensor-width --fstop --unit --focus --focus-at --focus-range --max-coc --max-coc-near --max-coc-far"
     local engine="--threads --backend --device --cpu" gpu="--solver --surface --shared-chain"
+    local bokeh="--bokeh --iris --bokeh-threshold --bokeh-limit --max-sprites --max-sprite-area --bokeh-resolution"
     local report="--quiet --json --help"
     case $1 in
-        render) echo "--output $blur --kernel --quality --conductance --substeps --layers --holdout --preview --exposure $engine $gpu $report" ;;
+        render) echo "--output $blur --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $engine $gpu $report" ;;
         coc) echo "--output $blur --exposure $engine $report" ;;
         info) echo "--layer --depth --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
-            --conductance --substeps --kernel --quality $engine $gpu $report" ;;
+            --method --conductance --substeps --kernel --quality $bokeh --append --quads $engine $gpu $report" ;;
         solvers) echo "--size $report" ;;
         devices) echo "$report" ;;
     esac
@@ -54,6 +55,12 @@ _ddof_value() {
     local choices=
     case $2 in
         --depth-kind) choices="planar ray inverse normalized device" ;;
+        --method) choices="diffusion gaussian hexagon scatter" ;;
+        --bokeh) choices="off highlights full" ;;
+        --iris) choices="disc blades= image=" ;;
+        --bokeh-resolution) choices="full half" ;;
+        --append) choices="counter arguments" ;;
+        --quads) choices="instanced geometry" ;;
         --kernel) choices="heat disc" ;;
         --quality) choices="draft good best" ;;
         --layers) choices="auto off" ;;
@@ -77,7 +84,7 @@ _ddof_value() {
             ;;
         --layer | --near | --far | --coc-scale | --render | --focal-length | --sensor-width | --fstop | --unit | --focus | \
             --focus-at | --focus-range | --max-coc | --max-coc-near | --max-coc-far | --runs | --channels | --substeps | \
-            --amplify | --exposure | --threads | --device) return 0 ;;
+            --bokeh-threshold | --bokeh-limit | --max-sprites | --max-sprite-area | --amplify | --exposure | --threads | --device) return 0 ;;
         *) return 1 ;;
     esac
     mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$3")

@@ -25,22 +25,26 @@ disc_best|Disc, best|ddof --kernel disc --quality best
 heat_layers|Heat, matched, layers|ddof --conductance matched --layers auto
 layers|Disc, good, layers|ddof --kernel disc --layers auto
 layers_best|Disc, best, layers|ddof --kernel disc --quality best --layers auto
+disc_off|Disc, good, no sprites|ddof --kernel disc --bokeh off
+layers_off|Disc, good, layers, no sprites|ddof --kernel disc --layers auto --bokeh off
+full|Sprites, all pixels|ddof --bokeh full
+full_layers|Sprites, all pixels, layers|ddof --bokeh full --layers auto
 gather|Disc gather|baseline gather
 scatter|Disc scatter|baseline scatter
 imagemagick|ImageMagick blur map|imagemagick
 gegl|GEGL lens-blur|gegl
 blender|Blender Defocus|blender
 '
-# key|folder|colour|truth|options of the command|title|about
+# key|folder|colour|truth|options of the command|options where ddof draws sprites|title|about
 cases='
-row_f2|row|pinhole.exr|dof_f2.exr||row, f/2|Objects from 1 m to 20 m and the sky, 85 mm, focus at 4 m: near and far blur.
-row_f5.6|row|pinhole.exr|dof_f5.6.exr||row, f/5.6|The same with the lens stopped down.
-foreground|foreground|pinhole.exr|dof_f1.8.exr||foreground, f/1.8|A wire fence, sticks and leaves close to the lens before a subject in focus: half-transparent near blur.
-lights|lights|pinhole.exr|dof_f1.8.exr||lights, f/1.8|A subject before small bright balls far behind the focus.
-lights_hex|lights|pinhole.exr|dof_f1.8_hex.exr||lights, hexagon|The same through a lens with six blades, which no method here is told of.
-motion|motion|motion_blur.exr|motion_blur_dof_f1.4.exr|--depth pinhole.exr:ViewLayer.Depth.Z|motion, f/1.4|The colour is the picture with motion blur and no depth of field, the depth that of the pinhole picture in the middle of the exposure.
-seq_1|seq|pinhole.0001.exr|dof_f1.4.0001.exr||seq, frame 1|First frame of a moving camera, focus at 2.5 m.
-seq_12|seq|pinhole.0012.exr|dof_f1.4.0012.exr||seq, frame 12|Last frame, focus at 5.25 m.
+row_f2|row|pinhole.exr|dof_f2.exr|||row, f/2|Objects from 1 m to 20 m and the sky, 85 mm, focus at 4 m: near and far blur.
+row_f5.6|row|pinhole.exr|dof_f5.6.exr|||row, f/5.6|The same with the lens stopped down.
+foreground|foreground|pinhole.exr|dof_f1.8.exr|||foreground, f/1.8|A wire fence, sticks and leaves close to the lens before a subject in focus: half-transparent near blur.
+lights|lights|pinhole.exr|dof_f1.8.exr|||lights, f/1.8|A subject before small bright balls far behind the focus.
+lights_hex|lights|pinhole.exr|dof_f1.8_hex.exr||--iris blades=6,rotation=40|lights, hexagon|The same through a lens with six blades. Of the methods here only the sprites of ddof are told of them.
+motion|motion|motion_blur.exr|motion_blur_dof_f1.4.exr|--depth pinhole.exr:ViewLayer.Depth.Z||motion, f/1.4|The colour is the picture with motion blur and no depth of field, the depth that of the pinhole picture in the middle of the exposure.
+seq_1|seq|pinhole.0001.exr|dof_f1.4.0001.exr|||seq, frame 1|First frame of a moving camera, focus at 2.5 m.
+seq_12|seq|pinhole.0012.exr|dof_f1.4.0012.exr|||seq, frame 12|Last frame, focus at 5.25 m.
 '
 
 if [ ! -d "$scenes" ]; then
@@ -102,12 +106,24 @@ described() { # HOW: what results.md says of it
     esac
 }
 
-# Uses $input, $camera, $truth, $options of the case; $coc, $rgb (colour alone), $map.exr, $map.png, $largest made from them.
+# Whether a render draws sprites: highlights are the default of the disc kernel.
+draws_sprites() { # HOW
+    case $1 in
+    *"--bokeh off"*) return 1 ;;
+    *"--bokeh "* | *"--kernel disc"* | *"--method scatter"*) return 0 ;;
+    *) return 1 ;;
+    esac
+}
+
+# Uses $input, $camera, $truth, $options, $iris of the case; $coc, $rgb (colour alone), $map.exr, $map.png, $largest made from them.
 run_method() { # HOW RESULT
     case $1 in
     copy) cp "$rgb" "$2" ;;
-    ddof*) # shellcheck disable=SC2086 # words
-        "$ddof" render "$input" -o "$2" --camera "$camera" --render "$truth" $options ${1#ddof} --quiet ;;
+    ddof*)
+        more=
+        draws_sprites "$1" && more=$iris
+        # shellcheck disable=SC2086 # words
+        "$ddof" render "$input" -o "$2" --camera "$camera" --render "$truth" $options ${1#ddof} $more --quiet ;;
     baseline*) "$baseline" "${1#baseline }" "$rgb" "$coc" "$2" ;;
     imagemagick)
         scale=$("$baseline" pack "$rgb" "$work/packed.png") &&
@@ -162,7 +178,7 @@ run_case() {
 }
 : >"$work/cases.tsv"
 echo "$cases" >"$work/cases"
-while IFS='|' read -r case folder colour truth extra title about <&4; do
+while IFS='|' read -r case folder colour truth extra iris title about <&4; do
     [ -n "$case" ] || continue
     if [ ! -f "$scenes/$folder/$truth" ]; then
         echo "quality: $title is skipped, $scenes/$folder/$truth is not there"

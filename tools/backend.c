@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "lens.h"
 #include "message.h"
 
 /* In the order of the words of --backend. */
@@ -18,7 +19,8 @@ enum { ON_GL = 1 << DDOF_BACKEND_GL, ON_VULKAN = 1 << DDOF_BACKEND_VULKAN, ON_GP
 static const struct gpu_option {
     option_id id;
     unsigned owners;
-} gpu_options[] = {{OPT_SOLVER, ON_GPU}, {OPT_SURFACE, ON_GPU}, {OPT_SHARED_CHAIN, ON_GL}, {OPT_DEVICE, ON_VULKAN}};
+} gpu_options[] = {{OPT_SOLVER, ON_GPU},    {OPT_SURFACE, ON_GPU},  {OPT_SHARED_CHAIN, ON_GL},
+                   {OPT_APPEND, ON_VULKAN}, {OPT_QUADS, ON_VULKAN}, {OPT_DEVICE, ON_VULKAN}};
 
 enum { GPU_OPTIONS = sizeof gpu_options / sizeof *gpu_options };
 
@@ -97,6 +99,15 @@ static int fail_owner(const options *o, option_id id, unsigned owners) {
                       backend_name(owner));
 }
 
+/* The float64 reference and the compute shaders have no use for what diffusion is compared with. */
+static int check_method(const options *o, ddof_backend chosen) {
+    const ddof_method method = method_of_options(o);
+    if (method != DDOF_METHOD_GAUSSIAN && method != DDOF_METHOD_HEXAGON) return 0;
+    if (chosen == DDOF_BACKEND_CPU || chosen == DDOF_BACKEND_GL) return 0;
+    return fail_usage("--method: the %s backend has no '%s'; take --backend cpu or --backend gl", backend_name(chosen),
+                      method_name(method));
+}
+
 /* Whether the backend has what was asked for. */
 static int check_options(const options *o, ddof_backend asked, ddof_backend chosen) {
     for (int i = 0; i < GPU_OPTIONS; i++) {
@@ -109,7 +120,7 @@ static int check_options(const options *o, ddof_backend asked, ddof_backend chos
         if (id == OPT_SOLVER && ON_GPU & 1u << backend) return fail_solver(backend, option_text(o, OPT_SOLVER));
         return fail_owner(o, id, owners);
     }
-    return 0;
+    return check_method(o, chosen);
 }
 
 int backend_choose(backend_choice *choice, const options *o) {

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "bokeh.h"
 #include "lens.h"
 #include "message.h"
 
@@ -25,19 +26,20 @@ static float color_at(int x, int y, int channel) {
     return noise % 997 == 0 ? value * 50 : value; /* highlights */
 }
 
-static void fill_color(const scene *s) {
-    const size_t pixels = (size_t)s->width * (size_t)s->height;
+static void set_color(const scene *s, int x, int y, int channel, float value) {
+    const size_t pixels = (size_t)s->width * (size_t)s->height, pixel = (size_t)y * (size_t)s->width + (size_t)x;
+    const size_t at = s->planar ? (size_t)channel * pixels + pixel : pixel * (size_t)s->channels + (size_t)channel;
+    if (s->type == DDOF_HALF)
+        ((uint16_t *)s->color)[at] = half_of_float(value);
+    else
+        ((float *)s->color)[at] = value;
+}
+
+static void fill_color(const scene *s, float most) {
     for (int y = 0; y < s->height; y++)
         for (int x = 0; x < s->width; x++)
-            for (int c = 0; c < s->channels; c++) {
-                const size_t pixel = (size_t)y * (size_t)s->width + (size_t)x;
-                const size_t at = s->planar ? (size_t)c * pixels + pixel : pixel * (size_t)s->channels + (size_t)c;
-                const float value = color_at(x, y, c);
-                if (s->type == DDOF_HALF)
-                    ((uint16_t *)s->color)[at] = half_of_float(value);
-                else
-                    ((float *)s->color)[at] = value;
-            }
+            for (int c = 0; c < s->channels; c++)
+                set_color(s, x, y, c, fminf(color_at(x, y, c), most));
 }
 
 /* Sharp in a disc in the middle, nearer on the left, farther on the right: smooth, with values of both signs. */
@@ -51,6 +53,26 @@ static void fill_blur(const scene *s, float largest) {
             if (s->depth) value = 4 * exp2f(3 * copysignf(fminf(beyond, 1), u)); /* 0.5 to 32 around the focus of 4 */
             s->blur[(size_t)y * (size_t)s->width + (size_t)x] = value;
         }
+}
+
+/* Squares of 3x3 pixels, 20 to a row: as bright as a lamp, and where they are the blur is the largest there is. */
+static void add_highlights(const scene *s, float largest) {
+    enum { ACROSS = 20, DOWN = SCENE_HIGHLIGHTS / ACROSS, SIDE = 3 };
+    const float value = 50;
+    for (int i = 0; i < SCENE_HIGHLIGHTS; i++) {
+        const int left = (2 * (i % ACROSS) + 1) * s->width / (2 * ACROSS),
+                  top = (2 * (i / ACROSS) + 1) * s->height / (2 * DOWN);
+        const bool near_side = 2 * left < s->width;
+        const float blur = s->depth    ? (near_side ? 2 : INFINITY)
+                           : near_side ? -largest
+                                       : largest; /* 2: half the focus distance */
+        for (int y = top; y < top + SIDE && y < s->height; y++)
+            for (int x = left; x < left + SIDE && x < s->width; x++) {
+                for (int c = 0; c < s->channels; c++)
+                    set_color(s, x, y, c, value);
+                s->blur[(size_t)y * (size_t)s->width + (size_t)x] = blur;
+            }
+    }
 }
 
 static ddof_image describe(const scene *s, void *data) {
@@ -94,8 +116,10 @@ int scene_create(scene *s, const options *o, int width, int height) {
     s->blur = touched_memory(pixels * sizeof(float));
     if (!s->color || !s->result || !s->blur) return fail("--size: out of memory; make it smaller");
     const double largest = option_number(o, OPT_BENCH_COC, 48);
-    fill_color(s);
+    const bool highlights = bokeh_of_options(o) == DDOF_BOKEH_HIGHLIGHTS;
+    fill_color(s, highlights ? 1 : INFINITY);
     fill_blur(s, (float)largest);
+    if (highlights) add_highlights(s, (float)largest);
     s->frame.color = describe(s, s->color);
     s->frame.output = describe(s, s->in_place ? s->color : s->result);
     ddof_image blur = ddof_image_interleaved(s->blur, s->width, s->height, 1, DDOF_FLOAT, 0);
@@ -105,11 +129,13 @@ int scene_create(scene *s, const options *o, int width, int height) {
                                    .max_coc_near = largest / s->width,
                                    .max_coc_far = largest / s->width};
     method_settings(&s->settings, o);
-    return 0;
+    status = iris_read(&s->iris, option_text(o, OPT_IRIS), NULL);
+    return status ? status : bokeh_settings(&s->settings, o, &s->iris, s->width);
 }
 
 void scene_destroy(scene *s) {
     free(s->color);
     free(s->result);
     free(s->blur);
+    iris_close(&s->iris);
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "bokeh.h"
 #include "message.h"
 
 /* ------------------------------------------------------------------------- files and channels */
@@ -264,6 +265,8 @@ static int place_focus(job *j, const options *o) {
 static int open_and_check(job *j, const options *o, ptrdiff_t *first) {
     int status = lens_check_options(o);
     if (status == 0) status = method_check_options(o);
+    if (status == 0) status = bokeh_check_options(o);
+    if (status == 0) status = iris_read(&j->iris, option_text(o, OPT_IRIS), &j->reading);
     if (status == 0 && option_given(o, OPT_CAMERA))
         status = camera_read(&j->file, option_text(o, OPT_CAMERA), option_text(o, OPT_RENDER), o->file[0]);
     if (status == 0) status = open_input(j, o);
@@ -281,6 +284,7 @@ int job_open(job *j, const options *o, const io_format *rewrite) {
     ptrdiff_t first = 0;
     int status = open_and_check(j, o, &first);
     method_settings(&j->settings, o);
+    if (status == 0) status = bokeh_settings(&j->settings, o, &j->iris, job_part(j)->display.width);
     if (status == 0) status = read_pixels(j, rewrite && *rewrite == j->input->format);
     j->decode_ms = now_ms() - begin;
     if (status == 0) status = describe_color(j);
@@ -299,6 +303,7 @@ void job_close(job *j) {
     io_close(&j->second);
     free(j->converted);
     holdout_close(&j->holdout);
+    iris_close(&j->iris);
     *j = (job){0};
 }
 

@@ -10,6 +10,7 @@
 #include <picture.h>
 
 #include "holdout.h"
+#include "iris.h"
 #include "lens.h"
 #include "options.h"
 #include "session.h"
@@ -21,6 +22,7 @@ typedef struct job {
     io_selection blur;  /* the depth or CoC channel of `second`, or of `input` */
     float *converted;   /* depth or CoC of a type the library does not take, or scaled */
     holdout holdout;    /* --holdout */
+    iris_input iris;    /* --iris */
     camera file;        /* --camera */
     io_options reading;
     ddof_frame frame; /* everything but `output` */

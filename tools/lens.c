@@ -66,8 +66,7 @@ static int depth_settings(ddof_depth *depth, const options *o, const camera *fil
     return 0;
 }
 
-/* Pixels or percent -> the library's fraction of the picture's width. */
-static double extent_fraction(const option_value *extent, int picture_width) {
+double extent_fraction(const option_value *extent, int picture_width) {
     return extent->percent ? extent->number / 100 : extent->number / picture_width;
 }
 
@@ -140,22 +139,42 @@ int lens_settings(ddof_settings *settings, const options *o, const camera *file,
     return focus_settings(lens, o, file);
 }
 
+ddof_method method_of_options(const options *o) {
+    return (ddof_method)option_number(o, OPT_METHOD, DDOF_METHOD_DIFFUSION);
+}
+
+/* Only diffusion has a kernel, and a system to solve. */
+static int check_other_method(const options *o, ddof_method method) {
+    static const option_id diffusion_only[] = {OPT_KERNEL,   OPT_QUALITY, OPT_CONDUCTANCE,
+                                               OPT_SUBSTEPS, OPT_SOLVER,  OPT_SHARED_CHAIN};
+    for (size_t i = 0; i < sizeof diffusion_only / sizeof *diffusion_only; i++)
+        if (option_given(o, diffusion_only[i]))
+            return fail_usage("--%s: cannot be used together with --method %s; it belongs to --method diffusion",
+                              option_name(diffusion_only[i]), method_name(method));
+    return 0;
+}
+
 int method_check_options(const options *o) {
     static const option_id heat_only[] = {OPT_SUBSTEPS, OPT_CONDUCTANCE};
+    const ddof_method method = method_of_options(o);
+    if (method != DDOF_METHOD_DIFFUSION) return check_other_method(o, method);
     const bool disc = option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT) == DDOF_KERNEL_DISC;
     for (size_t i = 0; disc && i < sizeof heat_only / sizeof *heat_only; i++)
         if (option_given(o, heat_only[i]))
-            return fail_usage("--%s: cannot be used together with --kernel disc; --quality says how close to a disc it is",
-                              option_name(heat_only[i]));
+            return fail_usage(
+                "--%s: cannot be used together with --kernel disc; --quality says how close to a disc it is",
+                option_name(heat_only[i]));
     if (!disc && option_given(o, OPT_QUALITY)) return fail_usage("--quality: needs --kernel disc too");
     return 0;
 }
 
 void method_settings(ddof_settings *settings, const options *o) {
+    settings->method = method_of_options(o);
     settings->kernel = (ddof_kernel)option_number(o, OPT_KERNEL, DDOF_KERNEL_HEAT);
     settings->layers = (ddof_layers)option_number(o, OPT_LAYERS, DDOF_LAYERS_OFF);
     settings->conductance = (ddof_conductance)option_number(o, OPT_CONDUCTANCE, DDOF_CONDUCTANCE_MATCHED);
-    settings->substeps = (int)option_number(o, OPT_SUBSTEPS, settings->kernel == DDOF_KERNEL_DISC ? 0 : 1);
+    const bool heat = settings->method == DDOF_METHOD_DIFFUSION && settings->kernel == DDOF_KERNEL_HEAT;
+    settings->substeps = (int)option_number(o, OPT_SUBSTEPS, heat ? 1 : 0);
     /* the words stand in the order of the library's names, the first of which is 1 */
     settings->quality = (ddof_quality)(option_number(o, OPT_QUALITY, DDOF_QUALITY_DEFAULT - 1) + 1);
     settings->solver = (ddof_solver)(option_number(o, OPT_SOLVER, DDOF_SOLVER_DEFAULT - 1) + 1);
@@ -163,13 +182,23 @@ void method_settings(ddof_settings *settings, const options *o) {
     settings->shared_chain = option_given(o, OPT_SHARED_CHAIN);
 }
 
+const char *method_name(ddof_method method) {
+    static const char *const names[] = {[DDOF_METHOD_DIFFUSION] = "diffusion",
+                                        [DDOF_METHOD_GAUSSIAN] = "gaussian",
+                                        [DDOF_METHOD_HEXAGON] = "hexagon",
+                                        [DDOF_METHOD_SCATTER] = "scatter"};
+    return names[method];
+}
+
 const char *kernel_name(ddof_kernel kernel) {
     return kernel == DDOF_KERNEL_DISC ? "disc" : "heat";
 }
 
 const char *quality_name(ddof_quality quality) {
-    static const char *const names[] = {[DDOF_QUALITY_DEFAULT] = "good", [DDOF_QUALITY_DRAFT] = "draft",
-                                        [DDOF_QUALITY_GOOD] = "good", [DDOF_QUALITY_BEST] = "best"};
+    static const char *const names[] = {[DDOF_QUALITY_DEFAULT] = "good",
+                                        [DDOF_QUALITY_DRAFT] = "draft",
+                                        [DDOF_QUALITY_GOOD] = "good",
+                                        [DDOF_QUALITY_BEST] = "best"};
     return names[quality];
 }
 

@@ -20,10 +20,17 @@ int lens_settings(ddof_settings *settings, const options *o, const camera *file,
 /* Options of the method that exclude each other. Returns 0 or an exit code. */
 int method_check_options(const options *o);
 
-/* Kernel, quality, conductance, substeps, layers, and how the GPU backends solve. */
+/* What --method says. */
+ddof_method method_of_options(const options *o);
+
+/* Method, kernel, quality, conductance, substeps, layers, and how the GPU backends solve. */
 void method_settings(ddof_settings *settings, const options *o);
 
-/* As --kernel and --quality call them. */
+/* Pixels or percent -> the library's fraction of the picture's width. */
+double extent_fraction(const option_value *extent, int picture_width);
+
+/* As --method, --kernel and --quality call them. */
+const char *method_name(ddof_method method);
 const char *kernel_name(ddof_kernel kernel);
 const char *quality_name(ddof_quality quality);
 

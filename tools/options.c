@@ -113,11 +113,10 @@ void option_range_text(const option_spec *spec, char *text, size_t size) {
     else if (!top)
         snprintf(text, size, spec->low < -1e5 ? "a number" : "at least %g", spec->low);
     else
-        snprintf(text, size, "%g to %g", spec->low, spec->high);
+        snprintf(text, size, spec->above ? "above %g to %g" : "%g to %g", spec->low, spec->high);
 }
 
-/* Strict: the whole text, no blanks, no NaN, no hexadecimal. `end` of a part of a text, or NULL for all of it. */
-static bool read_number(const char *text, const char *end, bool allow_inf, double *number) {
+bool read_number(const char *text, const char *end, bool allow_inf, double *number) {
     if (!end) end = text + strlen(text);
     char copy[64];
     size_t length = (size_t)(end - text);
@@ -139,7 +138,7 @@ static int check_range(const option_spec *spec, double number, const char *text)
     if (number >= spec->low && number <= spec->high && !(spec->above && number == spec->low)) return 0;
     char range[64];
     option_range_text(spec, range, sizeof range);
-    if (number > spec->high) snprintf(range, sizeof range, "at most %g", spec->high);
+    if (number > spec->high) snprintf(range, sizeof range, "at most %.7g", spec->high);
     return fail_usage("--%s: %s is out of range; it must be %s, like --%s %s", spec->name, text, range, spec->name,
                       spec->example);
 }

@@ -57,11 +57,21 @@ typedef enum option_id {
     OPT_TABLE,
     OPT_FORMAT,
     OPT_REFERENCE,
+    OPT_METHOD,
     OPT_KERNEL,
     OPT_QUALITY,
     OPT_CONDUCTANCE,
     OPT_SUBSTEPS,
     OPT_LAYERS,
+    OPT_BOKEH,
+    OPT_IRIS,
+    OPT_BOKEH_THRESHOLD,
+    OPT_BOKEH_LIMIT,
+    OPT_MAX_SPRITES,
+    OPT_MAX_SPRITE_AREA,
+    OPT_BOKEH_RESOLUTION,
+    OPT_APPEND,
+    OPT_QUADS,
     OPT_HOLDOUT,
     OPT_PREVIEW,
     OPT_EXPOSURE,
@@ -141,6 +151,9 @@ void help_general(FILE *stream);
 void help_command(FILE *stream, command_id command);
 /* "above 0", "0 to 64", or "" when any number will do. */
 void option_range_text(const option_spec *spec, char *text, size_t size);
+
+/* Strict: the whole text, no blanks, no NaN, no hexadecimal. `end` of a part of a text, or NULL for all of it. */
+bool read_number(const char *text, const char *end, bool allow_inf, double *number);
 
 /* Edit distance between two words, for "did you mean". */
 int word_distance(const char *a, const char *b);

@@ -99,6 +99,9 @@ const option_spec option_table[OPT_COUNT] = {
     [OPT_REFERENCE] = {"reference", 0, KIND_FLAG, NULL, NULL,
         "--table: time the float64 reference too, which is slow", B, 0, 0, 0, NULL},
 
+    [OPT_METHOD] = {"method", 0, KIND_CHOICE, "METHOD", "hexagon",
+        "diffusion|gaussian|hexagon|scatter: how the picture is blurred, the last three for comparison (default diffusion)",
+        R | B, 0, 0, 0, "diffusion|gaussian|hexagon|scatter"},
     [OPT_KERNEL] = {"kernel", 0, KIND_CHOICE, "KERNEL", "disc",
         "heat|disc: what a point becomes, a bell or the even disc that a lens makes (default heat)", R | B, 0, 0, 0, "heat|disc"},
     [OPT_QUALITY] = {"quality", 0, KIND_CHOICE, "QUALITY", "best",
@@ -111,6 +114,26 @@ const option_spec option_table[OPT_COUNT] = {
     [OPT_LAYERS] = {"layers", 0, KIND_CHOICE, "LAYERS", "auto",
         "auto|off: blur what is near over what is sharp, and what lies behind it behind it (default off)", R, 0, 0, 0,
         "off|auto"},
+    [OPT_BOKEH] = {"bokeh", 0, KIND_CHOICE, "BOKEH", "highlights",
+        "off|highlights|full: what is drawn as pictures of the iris (default highlights with --kernel disc, else and in bench off)",
+        R | B, 0, 0, 0, "off|highlights|full"},
+    [OPT_IRIS] = {"iris", 0, KIND_TEXT, "LIST", "blades=6,rotation=10",
+        "the iris that --bokeh draws: disc, or by commas blades=N or image=FILE[:CHANNEL], rotation=DEGREES, curvature=V, edge=V, "
+        "cats-eye=V, squeeze=V, fringe=V (default disc)", R | B, 0, 0, 0, NULL},
+    [OPT_BOKEH_THRESHOLD] = {"bokeh-threshold", 0, KIND_NUMBER, "V", "1.5",
+        "--bokeh highlights: what is brighter, scene-linear, is drawn (default 1)", R | B, 0, 1e6, true, NULL},
+    [OPT_BOKEH_LIMIT] = {"bokeh-limit", 0, KIND_EXTENT, "PX", "10%",
+        "largest CoC that is drawn, pixels or P% of the width (default 25%)", R | B, 0, 4096, true, NULL},
+    [OPT_MAX_SPRITES] = {"max-sprites", 0, KIND_INTEGER, "N", "10000",
+        "--bokeh highlights: so many pixels are drawn at most, the brightest (default 65536)", R | B, 1, 1 << 20, false, NULL},
+    [OPT_MAX_SPRITE_AREA] = {"max-sprite-area", 0, KIND_INTEGER, "N", "4",
+        "--bokeh highlights: the squares around them add up to N times the picture at most (default 64)", R | B, 1, 1024, false, NULL},
+    [OPT_BOKEH_RESOLUTION] = {"bokeh-resolution", 0, KIND_CHOICE, "SIZE", "half",
+        "full|half: size of the picture that is drawn into (default full; --bokeh full: half)", R | B, 0, 0, 0, "full|half"},
+    [OPT_APPEND] = {"append", 0, KIND_CHOICE, "HOW", "arguments",
+        "counter|arguments: how --backend vulkan appends what it draws (default counter)", B, 0, 0, 0, "counter|arguments"},
+    [OPT_QUADS] = {"quads", 0, KIND_CHOICE, "HOW", "geometry",
+        "instanced|geometry: how --backend vulkan makes quads of it (default instanced)", B, 0, 0, 0, "instanced|geometry"},
     [OPT_HOLDOUT] = {"holdout", 0, KIND_TEXT, "FILE[:CHANNEL]", "subject.png",
         "mask of what neither blurs nor bleeds: 1 there, 0 elsewhere (no default)", R, 0, 0, 0, NULL},
     [OPT_PREVIEW] = {"preview", 0, KIND_TEXT, "FILE.png", "preview.png",
@@ -155,6 +178,8 @@ const command_spec command_table[COMMAND_COUNT] = {
          "  ddof render pinhole.exr -o out.exr --camera scene.json --render dof_f2.exr --json\n"
          "  ddof render shot.exr -o out.exr --coc radius.exr:blur --coc-scale 2\n"
          "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --kernel disc --quality best\n"
+         "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --kernel disc --iris blades=6,rotation=10\n"
+         "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --bokeh full --iris image=heart.png\n"
          "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend gl --solver cr4+pack\n"
          "  ddof render shot.exr -o out.exr --fstop 2 --focus 4 --backend vulkan --device 1\n"},
     [COMMAND_COC] = {"coc", 1, true, "IN -o OUT",
@@ -175,6 +200,7 @@ const command_spec command_table[COMMAND_COUNT] = {
                        "  ddof bench --size 3840x2160 --threads 1\n"
                        "  ddof bench --type half --layout planar --in-place\n"
                        "  ddof bench --coc 1000 --cpu avx2 --json\n"
+                       "  ddof bench --kernel disc --bokeh highlights --coc 64\n"
                        "  ddof bench --table --backend gl --format csv\n"
                        "  ddof bench --backend gl --solver cr --surface rgba32f --size 1600x1200\n"
                        "  ddof bench --backend vulkan --size 3840x2160 --json\n"},

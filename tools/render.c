@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bokeh.h"
 #include "commands.h"
 #include "job.h"
 #include "json.h"
@@ -75,7 +76,27 @@ static void report_human(const job *j, const options *o, const session *s, const
     printf("solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
            r->stats.device, r->stats.threads, r->stats.threads == 1 ? "" : "s", j->decode_ms, r->time.encode, total);
     session_print_gpu(s, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
+    if (j->settings.bokeh == DDOF_BOKEH_HIGHLIGHTS)
+        printf("bokeh: %lld highlight pixel%s drawn, iris %s\n", (long long)r->stats.sprites, r->stats.sprites == 1 ? "" : "s",
+               bokeh_iris_text(o));
+    if (j->settings.bokeh == DDOF_BOKEH_FULL) printf("bokeh: all pixels out of focus drawn, iris %s\n", bokeh_iris_text(o));
     if (option_given(o, OPT_PREVIEW)) printf("%s: before and after\n", option_text(o, OPT_PREVIEW));
+}
+
+static void add_method(const job *j, const options *o, const ddof_stats *stats, cJSON *object) {
+    const ddof_settings *settings = &j->settings;
+    const bool diffusion = bokeh_method(settings) == DDOF_METHOD_DIFFUSION, disc = settings->kernel == DDOF_KERNEL_DISC;
+    json_text(object, "method", method_name(bokeh_method(settings)));
+    if (diffusion) json_text(object, "kernel", kernel_name(settings->kernel));
+    if (diffusion && disc) json_text(object, "quality", quality_name(settings->quality));
+    json_text(object, "bokeh", bokeh_name(settings->bokeh));
+    if (settings->bokeh == DDOF_BOKEH_OFF)
+        cJSON_AddNullToObject(object, "iris");
+    else
+        json_text(object, "iris", bokeh_iris_text(o));
+    json_integer(object, "sprites", (double)stats->sprites);
+    json_integer(object, "sprites_dropped", (double)stats->sprites_dropped);
+    json_integer(object, "sprites_large", (double)stats->sprites_large);
 }
 
 static int report_json(const job *j, const options *o, const session *s, const report *r, double total) {
@@ -89,8 +110,7 @@ static int report_json(const job *j, const options *o, const session *s, const r
     json_text(object, "backend", backend_name(s->backend));
     json_text(object, "device", r->stats.device);
     json_integer(object, "threads", r->stats.threads);
-    json_text(object, "kernel", kernel_name(j->settings.kernel));
-    if (j->settings.kernel == DDOF_KERNEL_DISC) json_text(object, "quality", quality_name(j->settings.quality));
+    add_method(j, o, &r->stats, object);
     json_number(object, "solve_ms", r->time.solve);
     json_number(object, "decode_ms", j->decode_ms);
     json_number(object, "prepare_ms", r->time.prepare);
@@ -123,7 +143,9 @@ static int solve(job *j, const options *o, session *s, report *r) {
     const int64_t pixels = (int64_t)frame.color.width * frame.color.height;
     if (r->stats.nonfinite_pixels == pixels)
         return fail("%s: no pixel has finite colour and depth; nothing can be rendered", o->file[0]);
-    session_note(s, o->file[0]);
+    bokeh_note(&r->stats, o->file[0]);
+    /* of sprites the library warns in its own words, of pixels after that */
+    if (r->stats.nonfinite_pixels > 0) session_note(s, o->file[0]);
     for (int i = 0; i < j->color.count; i++)
         io_channel_modified(job_color(j, i));
     return 0;
