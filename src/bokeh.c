@@ -373,7 +373,7 @@ static void count_kept_rows(work *w, int worker, int y0, int y1) {
 static void list_one(work *w, int x, int y, const candidate *c, void *user) {
     int *next = user;
     if (c->large) return;
-    const float *rgba = pixel_at(w, x, y), part = c->share * (c->v - w->raised) / c->v;
+    const float *rgba = pixel_at(w, x, y), left = w->raised / c->v, part = c->share * (1 - left * left);
     bokeh_sprite *s = &w->sprite[w->first[y] + next[y % BAND]++];
     *s = (bokeh_sprite){.x = x, .y = y, .coc = c->coc, .node = iris_node(fabsf(c->coc))};
     for (int i = 0; i < w->colors; i++) s->color[i] = rgba[i] * part;

@@ -11,7 +11,8 @@
  *              |d| > limit (counted as large).
  *   budget     the threshold is the lowest edge >= threshold of a bin, 16 to the octave of v/threshold, 512 bins, above which there are at
  *              most max_sprites candidates with a sum of (d/2^l)^2, see LEVELS, of at most max_area times the picture's pixels.
- *   taken      colour * a * (v - raised threshold)/v, from R, G and B.
+ *   taken      colour * a * (1 - (raised threshold/v)^2), from R, G and B: nothing at the threshold, nearly all of what is much brighter, so that
+ *              little of it is left to show the disc of the diffusion around another shape.
  *   drawn      added, each pixel times visible(d of the pixel, d of the sprite).
  * FULL
  *   holes are filled from around, then every pixel with |d| >= 2, limited to `limit`, is a sprite of its R, G, B, A, and of 1, times

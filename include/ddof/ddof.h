@@ -268,7 +268,7 @@ typedef enum ddof_quads {
 } ddof_quads;
 
 /* Which pixels become sprites. With v the largest of a pixel's R, G and B (fewer channels: of those), it is a highlight where
- * v > threshold; (v - threshold) / v of its colour is taken, alpha stays. Its CoC is that of the brightest pixel at most 2
+ * v > threshold; 1 - (threshold/v)^2 of its colour is taken, alpha stays. Its CoC is that of the brightest pixel at most 2
  * pixels away. Below 2 pixels of |CoC| nothing is taken, from 4 on all, and again nothing near and beyond `limit`.
  * A sprite farther than what is seen at a pixel does not cover it: light that falls on something nearer, or out of the
  * picture, is lost, as in a lens. */
