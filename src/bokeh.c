@@ -62,6 +62,18 @@ bokeh_limits bokeh_limits_of(const frame_job *job) {
                           .half = s->resolution == DDOF_RESOLUTION_DEFAULT ? full : s->resolution == DDOF_RESOLUTION_HALF};
 }
 
+/* Of a disc, what lies on the near side of a line at a distance of `at` radii. */
+static float segment(float at) {
+    const float h = at < 1 ? at > -1 ? at : -1 : 1;
+    return 0.5f + (h * sqrtf(1 - h * h) + asinf(h)) * 0.318309886f;
+}
+
+float bokeh_inside(int x, int y, int width, int height, float diameter, float aspect) {
+    const float per_x = 2 / diameter, per_y = per_x / aspect, u = (float)x + 0.5f, v = (float)y + 0.5f;
+    const float across = segment(u * per_x) + segment(((float)width - u) * per_x) - 1;
+    return across * (segment(v * per_y) + segment(((float)height - v) * per_y) - 1);
+}
+
 /* ---- the budget */
 
 int bokeh_bin(float v, float threshold) {
@@ -377,6 +389,7 @@ static void list_one(work *w, int x, int y, const candidate *c, void *user) {
     bokeh_sprite *s = &w->sprite[w->first[y] + next[y % BAND]++];
     *s = (bokeh_sprite){.x = x, .y = y, .coc = c->coc, .node = iris_node(fabsf(c->coc))};
     for (int i = 0; i < w->colors; i++) s->color[i] = rgba[i] * part;
+    s->one = bokeh_inside(x, y, w->width, w->height, w->job->iris->diameter[s->node], (float)w->job->pixel_aspect);
 }
 
 static void list_rows(work *w, int worker, int y0, int y1) {
@@ -389,7 +402,7 @@ static void take_rows(work *w, int worker, int y0, int y1) {
     (void)worker;
     for (int i = w->first[y0]; i < w->first[y1]; i++) {
         float *rgba = pixel_at(w, w->sprite[i].x, w->sprite[i].y);
-        for (int c = 0; c < w->colors; c++) rgba[c] -= w->sprite[i].color[c];
+        for (int c = 0; c < w->colors; c++) rgba[c] -= w->sprite[i].one * w->sprite[i].color[c];
     }
 }
 

@@ -13,6 +13,8 @@
  *              most max_sprites candidates with a sum of (d/2^l)^2, see LEVELS, of at most max_area times the picture's pixels.
  *   taken      colour * a * (1 - (raised threshold/v)^2), from R, G and B: nothing at the threshold, nearly all of what is much brighter, so that
  *              little of it is left to show the disc of the diffusion around another shape.
+ *              What of a sprite would lie outside of the picture is not taken, but diffused, which keeps it inside: all of it times
+ *              bokeh_inside() is.
  *   drawn      added, each pixel times visible(d of the pixel, d of the sprite).
  * FULL
  *   holes are filled from around, then every pixel with |d| >= 2, limited to `limit`, is a sprite of its R, G, B, A, and of 1, times
@@ -57,7 +59,7 @@ typedef struct bokeh_sprite {
     float coc;      /* signed */
     int node;       /* of iris.h, of |coc| */
     float color[4]; /* alpha: of FULL */
-    float one;      /* FULL: what it weighs */
+    float one;      /* FULL: what it weighs; HIGHLIGHTS: how much of it is taken from the picture */
 } bokeh_sprite;
 
 /* What is wrong with settings.method, bokeh, sprites and iris, or NULL. */
@@ -86,6 +88,9 @@ static inline float bokeh_visible(float p, float s) {
     t = t < 1 ? t : 1;
     return t * t * (3 - 2 * t);
 }
+
+/* How much of a disc of this diameter around pixel (x, y) lies in a picture of these sizes; of an ellipse that is `aspect` times as tall. */
+float bokeh_inside(int x, int y, int width, int height, float diameter, float aspect);
 
 /* In the place of backend.diffuse, where the job asks for sprites and the backend has none of its own. */
 ddof_status bokeh_blur(ddof_context *ctx, frame_job *job, void *scratch);

@@ -270,8 +270,8 @@ typedef enum ddof_quads {
 /* Which pixels become sprites. With v the largest of a pixel's R, G and B (fewer channels: of those), it is a highlight where
  * v > threshold; 1 - (threshold/v)^2 of its colour is taken, alpha stays. Its CoC is that of the brightest pixel at most 2
  * pixels away. Below 2 pixels of |CoC| nothing is taken, from 4 on all, and again nothing near and beyond `limit`.
- * A sprite farther than what is seen at a pixel does not cover it: light that falls on something nearer, or out of the
- * picture, is lost, as in a lens. */
+ * A sprite farther than what is seen at a pixel does not cover it: light that falls on something nearer is lost, as in a lens.
+ * What would fall out of the picture is diffused, and so stays in it. */
 typedef struct ddof_sprites {
     double threshold;           /* scene-linear, > 0; 0: 1. Of HIGHLIGHTS */
     double limit;               /* HIGHLIGHTS: pixels of a larger CoC are left to diffusion; FULL: CoC is limited to it. Fraction of

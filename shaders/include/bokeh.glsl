@@ -33,3 +33,16 @@ float bokeh_visible(float p, float s) {
     float ratio = s > 0.0 ? p / s : p >= s ? 1.0 : s / p;
     return smoothstep(0.25, 0.75, ratio);
 }
+
+// Of a disc, what lies on the near side of a line at a distance of `at` radii.
+float bokeh_segment(float at) {
+    float h = clamp(at, -1.0, 1.0);
+    return 0.5 + (h * sqrt(1.0 - h * h) + asin(h)) * 0.318309886;
+}
+
+// How much of a disc of this diameter around `pixel` lies in a picture of `size`; of an ellipse that is `aspect` times as tall.
+float bokeh_inside(ivec2 pixel, ivec2 size, float diameter, float aspect) {
+    vec2 per = vec2(2.0, 2.0 / aspect) / diameter, at = vec2(pixel) + 0.5, beyond = vec2(size) - at;
+    float across = bokeh_segment(at.x * per.x) + bokeh_segment(beyond.x * per.x) - 1.0;
+    return across * (bokeh_segment(at.y * per.y) + bokeh_segment(beyond.y * per.y) - 1.0);
+}
