@@ -65,7 +65,7 @@ fail() {
 # --- build
 if ! { [ -f "$build/build.ninja" ] || meson setup "$build" -Dtests=false; } >"$work/log" 2>&1 ||
    ! ninja -C "$build" tools/ddof tests/quality/quality_baseline tests/quality/quality_report \
-        tests/quality/quality_popping >>"$work/log" 2>&1; then
+        tests/quality/quality_popping tests/quality/quality_highlights >>"$work/log" 2>&1; then
     fail "the build failed"
 fi
 ddof=$build/tools/ddof
@@ -171,6 +171,11 @@ run_case() {
         run_method "$how" "$work/result.exr" || fail "$title: $key failed"
         "$ddof" compare "$work/result.exr" "$scenes/$folder/$truth" --coc "$coc" --json >"$work/$case.$key.json" ||
             fail "$title: $key: cannot be compared"
+        if [ "$folder" = lights ]; then
+            seen=$("$build/tests/quality/quality_highlights" "$work/result.exr" "$scenes/$folder/$truth" "$rgb" "$coc") ||
+                fail "$title: $key: no highlights"
+            printf '%-12s %-14s %s\n' "$case" "$key" "${seen#highlights: }" >>"$work/highlights"
+        fi
         [ -z "$sheet" ] && continue
         "$sheet" "$work/result.exr" "$work/pictures/$case.$key.jpg" || fail "$title: $key: no picture"
         "$sheet" "$work/result.exr" "$scenes/$folder/$truth" "$work/pictures/$case.$key.d.jpg" || fail "$title: $key: no picture"
@@ -240,6 +245,14 @@ a real aperture. Made by `make quality`; [the pictures](index.html). Bold is the
   it in the bright discs of `lights` (4 % to 7 %).
 - The gather and the scatter are what discs alone can do with one layer of pixels: neither knows what is hidden behind a near object.
 END
+if [ -s "$work/highlights" ]; then
+    {
+        echo "- Highlights by themselves, exposed to mid grey (tests/quality/highlights.c):"
+        echo
+        sed 's/^/      /' "$work/highlights"
+        echo
+    } >>"$work/about"
+fi
 if [ -n "$pulled" ]; then
     cat >>"$work/about" <<END
 - Popping: over the twelve frames of \`seq\`, a focus pull with a moving camera, by \`ddof render $pull_options\`: root mean square
