@@ -127,7 +127,7 @@ typedef struct work {
     int level;                /* under work */
     int64_t drawn[BOKEH_LEVELS]; /* HIGHLIGHTS: sprites of each */
     float *sums;              /* FULL: per worker, of a row: far and near, RGBA and weight */
-    atomic_llong large, holes;
+    atomic_llong large, holes, every; /* every: FULL: sprites */
     atomic_llong count[BOKEH_BINS], area[BOKEH_BINS];
 } work;
 
@@ -542,6 +542,7 @@ static void mix(float *rgba, const float *sum, float weight, float share) {
 static void compose_rows(work *w, int worker, int y0, int y1) {
     const ptrdiff_t wide = w->width;
     float *far = w->sums + 10 * wide * worker, *f = far + 4 * wide, *near = f + wide, *n = near + 4 * wide;
+    int64_t drawn = 0;
     for (int y = y0; y < y1; y++) {
         memset(far, 0, 10 * (size_t)wide * sizeof(float));
         scatter_sum_row(&w->scatter, w->scatter.first, false, y, far, f);
@@ -549,17 +550,21 @@ static void compose_rows(work *w, int worker, int y0, int y1) {
         for (ptrdiff_t x = 0; x < wide; x++) {
             float *rgba = pixel_at(w, (int)x, y);
             const float coc = *coc_at(w, (int)x, y), own = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
+            drawn += own > 0;
             if (coc > 0 && f[x] > BOKEH_EMPTY) mix(rgba, far + 4 * x, f[x], own);
             if (coc < 0 && n[x] > BOKEH_EMPTY) mix(rgba, near + 4 * x, n[x], own);
             if (n[x] > BOKEH_EMPTY) mix(rgba, near + 4 * x, n[x], n[x] < 1 ? n[x] : 1);
         }
     }
+    atomic_fetch_add(&w->every, drawn);
 }
 
 static ddof_status draw_all(work *w) {
     take_targets(w, w->rest);
-    const ddof_status status = all_levels(w, full_rows);
-    return status == DDOF_OK ? rows(w, w->height, compose_rows) : status;
+    ddof_status status = all_levels(w, full_rows);
+    if (status == DDOF_OK) status = rows(w, w->height, compose_rows);
+    w->job->sprites = w->every;
+    return status;
 }
 
 /* ---- the frame */

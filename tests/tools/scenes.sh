@@ -47,6 +47,28 @@ compare_with "$scenes/row" pinhole.exr dof_f2.exr 32 0.92
 compare_with "$scenes/row" pinhole.exr dof_f5.6.exr 32 0.93 --render dof_f5.6.exr
 compare_with "$scenes/lights" pinhole.exr dof_f1.8.exr 12.5 0.4
 compare_with "$scenes/lights" pinhole.exr dof_f1.8_hex.exr 12 0.4 --render dof_f1.8_hex.exr
+# Highlights: what a lens makes of small lights, round and with six blades; better than diffusion alone and than Blender's
+# Defocus with the exact CoC (22.1 dB, 0.904).
+for layers in off auto; do
+    compare_with "$scenes/lights" pinhole.exr dof_f1.8.exr 23.5 0.92 --kernel disc --layers $layers
+    compare_with "$scenes/lights" pinhole.exr dof_f1.8_hex.exr 23.5 0.92 --kernel disc --layers $layers --render dof_f1.8_hex.exr \
+        --iris blades=6,rotation=40
+done
+run "$DDOF" compare "$out" "$scenes/lights/dof_f1.8.exr" --json
+hexagons=$(member psnr_tonemapped)
+run "$DDOF" compare "$out" "$scenes/lights/dof_f1.8_hex.exr" --json
+above "lights: six blades are no disc" "$(member psnr_tonemapped)" "$(awk "BEGIN { print $hexagons + 1 }")"
+# The subject is in focus: no light of the background over it, no more than without any. It fills this part of the picture.
+passes "lights: no sprites" "$DDOF" render "$scenes/lights/pinhole.exr" -o "$work/o/none.exr" --camera "$scenes/lights/scene.json" \
+    --kernel disc --layers auto --bokeh off
+passes "lights: sprites" "$DDOF" render "$scenes/lights/pinhole.exr" -o "$out" --camera "$scenes/lights/scene.json" --kernel disc --layers auto
+for at in "320 180" "330 240" "360 310" "410 190"; do
+    for channel in R G B; do
+        # shellcheck disable=SC2086 # two words
+        near "lights: the subject at $at keeps its $channel" "$("$FIXTURE" value "$out" $channel $at)" "$("$FIXTURE" value "$work/o/none.exr" $channel $at)" 0.002
+    done
+done
+compare_with "$scenes/foreground" pinhole.exr dof_f1.8.exr 30.5 0.9 --kernel disc --layers auto
 passes "motion: render" "$DDOF" render "$scenes/motion/pinhole.exr" -o "$out" --camera "$scenes/motion/scene.json" --json
 near "motion: focus" "$(member focus_distance)" 4 0
 near "motion: near CoC as the renderer says" "$(member coc_min_px)" -10.854 0.01
