@@ -270,7 +270,7 @@ static float *coc_at(const work *w, int x, int y) {
 static void load_rows(work *w, int worker, int y0, int y1) {
     frame_job *job = w->job;
     ddof_image map = job->coc_source;
-    const float most = (float)COC_LIMIT;
+    const float most = job->method == DDOF_METHOD_SCATTER ? w->limits.largest : (float)COC_LIMIT;
     (void)worker;
     image_resolve(&map);
     for (int y = y0; y < y1; y++) {
@@ -514,11 +514,10 @@ static ddof_status fill_holes(work *w) {
 static int list_row(const work *w, int y, bokeh_sprite *list) {
     int count = 0;
     for (int x = 0; x < w->width; x++) {
-        const float coc = *coc_at(w, x, y), limited = fabsf(coc) < w->limits.largest ? coc : copysignf(w->limits.largest, coc);
-        const float *rgba = pixel_at(w, x, y), share = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
+        const float coc = *coc_at(w, x, y), *rgba = pixel_at(w, x, y), share = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
         if (!(share > 0)) continue;
         bokeh_sprite *s = &list[count++];
-        *s = (bokeh_sprite){.x = x, .y = y, .coc = limited, .node = iris_node(fabsf(limited)), .one = share};
+        *s = (bokeh_sprite){.x = x, .y = y, .coc = coc, .node = iris_node(fabsf(coc)), .one = share};
         for (int c = 0; c < 4; c++) s->color[c] = rgba[c] * share;
     }
     return count;

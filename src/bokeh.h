@@ -17,7 +17,7 @@
  *              bokeh_inside() is.
  *   drawn      added, each pixel times visible(d of the pixel, d of the sprite).
  * FULL
- *   holes are filled from around, then every pixel with |d| >= 2, limited to `limit`, is a sprite of its R, G, B, A, and of 1, times
+ *   holes are filled from around, the CoC of the picture is limited to `limit`, then every pixel with |d| >= 2 is a sprite of its R, G, B, A, and of 1, times
  *   smoothstep(2, 4, |d|); near ones (d < 0) and far ones are summed by themselves, times visible(). With F, N the two sums of colour, f, n of 1,
  *   and t = smoothstep(2, 4, |d|) of the pixel's own CoC d:
  *       base = mix(colour, F/f, t) where d > 0 and f > 1e-6;  mix(colour, N/n, t) where d < 0 and n > 1e-6
