@@ -141,8 +141,7 @@ static double sum_of(bokeh_iris *i, int node, int level, double side) {
     double *sum = &i->sum[level > 0][side < 0][table + 64];
     if (*sum == 0 && level == 0) *sum = lattice_sum(i, diameter_of(table), side, 0, 0, 0);
     if (*sum == 0)
-        for (int place = 0; place < 4; place++)
-            *sum += lattice_sum(i, diameter_of(table), side, place % 2 ? 0.25 : -0.25, place / 2 ? 0.25 : -0.25, 0) / 4;
+        *sum = (lattice_sum(i, diameter_of(table), side, 0.25, 0.25, 0) + lattice_sum(i, diameter_of(table), side, -0.25, -0.25, 0)) / 2;
     return *sum;
 }
 
@@ -330,7 +329,7 @@ bokeh_counts bokeh_oracle_highlights(const bokeh_oracle *o, float *rest, double 
         const int at = 4 * (s->y * o->width + s->x);
         if (!(s->one > counts.threshold)) continue;
         for (int c = 0; c < o->colors; c++) {
-            s->color[c] = (double)o->rgba[at + c] * smooth(2, 4, fabs(s->coc)) * (s->one - counts.threshold) / s->one;
+            s->color[c] = (double)o->rgba[at + c] * smooth(2, 4, fabs(s->coc)) * (1 - pow(counts.threshold / s->one, 2));
             rest[at + c] = (float)((double)o->rgba[at + c] - s->color[c]);
         }
         draw_sprite(o, t, false, s);
