@@ -26,6 +26,8 @@ static const char *check_image(const ddof_iris *s) {
     const size_t size = i->plane[0].type == DDOF_HALF ? 2 : 4;
     if (((uintptr_t)i->plane[0].data | (uintptr_t)i->plane[0].pixel_stride | (uintptr_t)i->plane[0].row_stride) % size)
         return "iris.image: data and strides must be multiples of the size of its type";
+    const int64_t most = INT64_C(1) << 40, pixel = i->plane[0].pixel_stride, line = i->plane[0].row_stride;
+    if (pixel > most || pixel < -most || line > most || line < -most) return "iris.image: a stride is beyond 2^40 bytes";
     return NULL;
 }
 
