@@ -314,6 +314,19 @@ static double raise_threshold(const bokeh_oracle *o, double threshold, const spr
     return INFINITY;
 }
 
+/* Of a circle around 0, what lies on one side of a line at a distance of `at` radii. */
+static double segment(double at) {
+    const double h = clamp(at, -1, 1);
+    return 0.5 + (h * sqrt(1 - h * h) + asin(h)) * 2 / TURN;
+}
+
+/* How much of a sprite lies in the picture, columns and rows by themselves. */
+static double inside(const bokeh_oracle *o, int x, int y, double diameter) {
+    const double radius = diameter / 2, tall = radius * o->iris->aspect;
+    const double across = segment((x + 0.5) / radius) - segment((x + 0.5 - o->width) / radius);
+    return across * (segment((y + 0.5) / tall) - segment((y + 0.5 - o->height) / tall));
+}
+
 bokeh_counts bokeh_oracle_highlights(const bokeh_oracle *o, float *rest, double *drawn) {
     const int n = o->width * o->height;
     sprite *all = calloc((size_t)n, sizeof *all);
@@ -328,9 +341,10 @@ bokeh_counts bokeh_oracle_highlights(const bokeh_oracle *o, float *rest, double 
         sprite *s = &all[i];
         const int at = 4 * (s->y * o->width + s->x);
         if (!(s->one > counts.threshold)) continue;
+        const double here = inside(o, s->x, s->y, diameter_of(node_of(fabs(s->coc))));
         for (int c = 0; c < o->colors; c++) {
             s->color[c] = (double)o->rgba[at + c] * smooth(2, 4, fabs(s->coc)) * (1 - pow(counts.threshold / s->one, 2));
-            rest[at + c] = (float)((double)o->rgba[at + c] - s->color[c]);
+            rest[at + c] = (float)((double)o->rgba[at + c] - here * s->color[c]);
         }
         draw_sprite(o, t, false, s);
         counts.drawn++;
