@@ -26,7 +26,7 @@
  *   size, rounded up, l = bokeh_level() of its node, for HALF resolution at least 1. Then a pixel's sprite costs the same whatever the blur, and
  *   its rim is as soft in proportion. In the target of level l >= 1 the middle of the sprite of pixel (x, y) lies at (u/2 - 1/4, v/2 - 1/4), in
  *   pixels of the target counted from their middles, u = x >> (l - 1), v = y >> (l - 1); its diameter is |d|/2^l, its sum that of
- *   iris.inverse_sum[iris_sum(true, d < 0)] at its node less 64 (l - 1). With fringe l is that of |d|. visible() takes the CoC of the pixel (X << l, Y << l) of the
+ *   iris.inverse_sum[iris_sum(true, u, v, d < 0)] at its node less 64 (l - 1). With fringe l is that of |d|. visible() takes the CoC of the pixel (X << l, Y << l) of the
  *   picture. A target's sums are divided by 4^l and interpolated bilinearly, at the borders from inside, pixel x at (x + 1/2)/2^l - 1/2; those of
  *   all levels are added up. */
 #ifndef DDOF_BOKEH_H

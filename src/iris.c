@@ -144,36 +144,41 @@ enum {
     SUMMED = WIDEST + IRIS_OCTAVE * 5 / 8 /* and with fringe half as much again; beyond that a sum grows with the area */
 };
 
-static double node_sum(const iris *of, const sprite_kernels *k, int node, bool half, bool near) {
-    const iris_row like = {.diameter = of->diameter[node] / (half ? 2 : 1), .side = near ? -1 : 1, .level = iris_level(node, half)};
-    const float off = half ? 0.25f : 0;
-    const double sum = mask_sum(of, k, &like, off, off);
-    return half && of->shape.kind != DDOF_IRIS_DISC ? (sum + mask_sum(of, k, &like, -off, -off)) / 2 : sum;
-}
-
-static void make_inverse_sums(iris *out, const sprite_kernels *k, bool half, bool near) {
+/* place: -1 in a picture of its size, else one of four in half of it, bit 0 to the right, bit 1 below. */
+static void make_inverse_sums(const iris *of, const sprite_kernels *k, int place, bool near, float *inverse) {
+    const bool half = place >= 0;
+    const float off_x = half ? place & 1 ? -0.25f : 0.25f : 0, off_y = half ? place & 2 ? -0.25f : 0.25f : 0;
     const int last = SUMMED + half * IRIS_OCTAVE;
-    float *inverse = out->inverse_sum[iris_sum(half, near)];
     for (int node = 0; node < IRIS_NODES; node++)
         if (node <= last) {
-            const double sum = node_sum(out, k, node, half, near);
+            const iris_row like = {.diameter = of->diameter[node] / (half ? 2 : 1), .side = near ? -1 : 1, .level = iris_level(node, half)};
+            const double sum = mask_sum(of, k, &like, off_x, off_y);
             inverse[node] = sum > 1e-6 ? (float)(1 / sum) : 0;
         } else {
-            const double across = (double)out->diameter[node] / (double)out->diameter[last];
+            const double across = (double)of->diameter[node] / (double)of->diameter[last];
             inverse[node] = (float)((double)inverse[last] / (across * across));
         }
 }
 
+/* Discs are alike in all four places, and before the focus what is turned by half a turn is in the opposite one, but for its edge. */
+static void make_all_inverse_sums(iris *out, const sprite_kernels *k) {
+    for (int i = 0; i < IRIS_SUMS; i++) {
+        const int place = i % 5 - 1;
+        const bool near = i >= 5;
+        const float *same = NULL;
+        if (near && out->shape.edge == 0) same = out->inverse_sum[place < 0 ? 0 : 1 + (place ^ 3)];
+        if (out->shape.kind == DDOF_IRIS_DISC && place > 0) same = out->inverse_sum[5 * near + 1];
+        if (same)
+            memcpy(out->inverse_sum[i], same, sizeof out->inverse_sum[i]);
+        else
+            make_inverse_sums(out, k, place, near, out->inverse_sum[i]);
+    }
+}
+
 static void make_sums(iris *out, const sprite_kernels *k) {
     for (int node = 0; node < IRIS_NODES; node++) out->diameter[node] = iris_diameter(node);
-    for (int half = 0; half < 2; half++) {
-        make_inverse_sums(out, k, half, false);
-        if (out->shape.edge != 0) /* else the mask before the focus is the one behind it, turned by half a turn: so are its places */
-            make_inverse_sums(out, k, half, true);
-        else
-            memcpy(out->inverse_sum[iris_sum(half, true)], out->inverse_sum[iris_sum(half, false)], sizeof out->inverse_sum[0]);
-    }
-    const double whole = 1.0 / (double)out->inverse_sum[iris_sum(false, false)][WIDEST];
+    make_all_inverse_sums(out, k);
+    const double whole = 1.0 / (double)out->inverse_sum[0][WIDEST];
     for (int i = 0; i < IRIS_CATS; i++) {
         const iris_row like = {.diameter = iris_diameter(WIDEST), .side = 1, .cat_x = (float)i / (IRIS_CATS - 1), .level = iris_level(WIDEST, false)};
         const double sum = mask_sum(out, k, &like, 0, 0);

@@ -31,7 +31,7 @@ enum {
     IRIS_SIDE = 128,                    /* of the image's table, texels */
     IRIS_LEVELS = 5,                    /* 128, 64, 32, 16, 8 */
     IRIS_TEXELS = (128 * 128 * 4 - 8 * 8) / 3, /* of all levels, the largest first */
-    IRIS_SUMS = 4,
+    IRIS_SUMS = 10,
     IRIS_CATS = 65,                     /* nodes of |c t| from 0 to 1 */
     IRIS_BLADES = 64,
     IRIS_IMAGE_MOST = 4096              /* pixels a side */
@@ -83,10 +83,10 @@ float iris_reach(const ddof_iris *settings);
 int iris_node(float diameter);
 float iris_diameter(int node);
 
-/* Of inverse_sum. half: in a picture of half the size, where its diameter is half as large and its middle lies a quarter of a pixel
- * off: the mean of (1/4, 1/4) and (-1/4, -1/4). near: before the focus, where `edge` has the other sign. */
-static inline int iris_sum(bool half, bool near) {
-    return half + 2 * near;
+/* Of inverse_sum. half: in a picture of half the size, where its diameter is half as large and its middle lies a quarter of a pixel off:
+ * to the left of a pixel's where u is even, else to the right; above it where v is even, else below. near: before the focus. */
+static inline int iris_sum(bool half, int u, int v, bool near) {
+    return 5 * near + (half ? 1 + (u & 1) + 2 * (v & 1) : 0);
 }
 
 /* The level of the image's table for a sprite of a node, `half` or not; where its texels begin, and how many a side has. */

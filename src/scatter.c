@@ -107,7 +107,7 @@ static void draw(const scatter *s, scatter_masks *w, int level, const bokeh_spri
     const int reach = reach_on(s, &row, s->reach[half][table]), count = 2 * reach + 1, begin = (half ? u / 2 : u) - reach;
     row.dx = (half ? u % 2 ? -0.25f : 0.25f : 0) - (float)reach;
     const float *mask = mask_of(s, w, table, (p->coc < 0) * 2 + (half && u % 2), &row, count);
-    float gain = s->iris->inverse_sum[iris_sum(half, p->coc < 0)][table], light[4];
+    float gain = s->iris->inverse_sum[iris_sum(half, u, v, p->coc < 0)][table], light[4];
     if (row.cat_x != 0 || row.cat_y != 0) gain *= cats_gain(s, &row);
     for (int c = 0; c < 4; c++) light[c] = color[c] * gain;
     const scatter_level *l = &s->level[level];

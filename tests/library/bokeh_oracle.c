@@ -135,13 +135,11 @@ static double lattice_sum(const bokeh_iris *i, double diameter, double side, dou
     return sum;
 }
 
-/* Of a sprite of a node in its target of level l. */
-static double sum_of(bokeh_iris *i, int node, int level, double side) {
-    const int table = node - 64 * level;
-    double *sum = &i->sum[level > 0][side < 0][table + 64];
-    if (*sum == 0 && level == 0) *sum = lattice_sum(i, diameter_of(table), side, 0, 0, 0);
-    if (*sum == 0)
-        *sum = (lattice_sum(i, diameter_of(table), side, 0.25, 0.25, 0) + lattice_sum(i, diameter_of(table), side, -0.25, -0.25, 0)) / 2;
+/* Of a sprite of a node in its target of level l, whose pixels' middles lie (off_x, off_y) from its own. */
+static double sum_of(bokeh_iris *i, int node, int level, double side, double off_x, double off_y) {
+    const int table = node - 64 * level, place = level ? 1 + (off_x > 0) + 2 * (off_y > 0) : 0;
+    double *sum = &i->sum[place][side < 0][table + 64];
+    if (*sum == 0) *sum = lattice_sum(i, diameter_of(table), side, off_x, off_y, 0);
     return *sum;
 }
 
@@ -204,7 +202,7 @@ static void draw(const bokeh_oracle *o, const target *t, int level, const sprite
     const int below = at < 63 ? (int)at : 63;
     const double *gain = o->iris->cats_gain;
     const double brighter = o->iris->s.cats_eye > 0 ? gain[below] + (at - below) * (gain[below + 1] - gain[below]) : 1;
-    const double part = brighter / sum_of(o->iris, node, level, side);
+    const double part = brighter / sum_of(o->iris, node, level, side, floor(x + 0.5) - x, floor(y + 0.5) - y);
     for (int Y = 0; Y < t->height; Y++)
         for (int X = 0; X < t->width; X++) {
             const double m = mask(o->iris, diameter_of(node) / size, side, cat_x, cat_y, X - x, Y - y);

@@ -17,7 +17,7 @@ enum { ORACLE_NODES = 900, ORACLE_TEXELS = 128 * 128 + 64 * 64 + 32 * 32 + 16 * 
 typedef struct bokeh_iris {
     ddof_iris s;
     double aspect, turn[2], normal[64][2];
-    double sum[2][2][ORACLE_NODES]; /* by level above 0, side, node */
+    double sum[5][2][ORACLE_NODES]; /* by place within a pixel, side, node */
     double cats_gain[65];
     double texel[ORACLE_TEXELS];
 } bokeh_iris;
