@@ -13,6 +13,7 @@
 
 #include "context.h"
 #include "cpu/engine.h"
+#include "iris.h"
 
 /* Large blocks ask for huge pages: touching the scratch of a 4K frame for the first time otherwise costs as much as solving it. */
 void *context_allocate(void *user, size_t bytes) {
@@ -190,6 +191,8 @@ ddof_status ddof_trim(ddof_context *ctx) {
     if (!ctx) return DDOF_ERROR_INVALID;
     if (!enter(ctx)) return DDOF_ERROR_BUSY;
     if (ctx->scratch) ctx->config.release(ctx->config.memory_user, ctx->scratch);
+    if (ctx->iris) ctx->config.release(ctx->config.memory_user, ctx->iris);
+    ctx->iris = NULL;
     ctx->scratch = NULL;
     ctx->scratch_bytes = 0;
     if (ctx->backend->trim) ctx->backend->trim(ctx);
@@ -209,7 +212,7 @@ static ddof_status run(ddof_context *ctx, const ddof_frame *frame, const ddof_se
         stats->sprites_dropped = job.sprites_dropped;
         stats->sprites_large = job.sprites_large;
         stats->focus_distance = job.focus_distance;
-        stats->scratch_bytes = ctx->scratch_bytes;
+        stats->scratch_bytes = ctx->scratch_bytes + (ctx->iris ? sizeof *ctx->iris : 0);
         stats->threads = ctx->threads;
         stats->surface_bytes = ctx->backend->surface_bytes ? ctx->backend->surface_bytes(ctx) : 0;
         stats->device = ctx->backend->device(ctx);
@@ -240,6 +243,6 @@ ddof_status ddof_scratch_bytes(ddof_context *ctx, const ddof_frame *frame, const
     ddof_status status = check_frame(ctx, frame, true);
     if (status == DDOF_OK) status = check_settings(ctx, frame, settings);
     if (status == DDOF_OK) status = pipeline_prepare(ctx, &job, frame, settings, false, &distance);
-    if (status == DDOF_OK) *bytes = pipeline_scratch_bytes(ctx, &job, false);
+    if (status == DDOF_OK) *bytes = pipeline_scratch_bytes(ctx, &job, false) + pipeline_iris_bytes(&job);
     return leave(ctx, status);
 }

@@ -44,6 +44,7 @@ static const char *check_sprites(const ddof_sprites *s) {
 
 const char *bokeh_check(const ddof_settings *s) {
     if (s->bokeh < DDOF_BOKEH_OFF || s->bokeh > DDOF_BOKEH_FULL) return "bokeh is none of ddof_bokeh";
+    if (s->bokeh == DDOF_BOKEH_OFF && s->method != DDOF_METHOD_SCATTER) return NULL;
     const char *wrong = check_sprites(&s->sprites);
     return wrong ? wrong : iris_check(&s->iris);
 }
@@ -76,13 +77,17 @@ float bokeh_inside(int x, int y, int width, int height, float diameter, float as
 
 /* ---- the budget */
 
-int bokeh_bin(float v, float threshold) {
-    const float bin = log2f(v / threshold) * BOKEH_BIN_OCTAVE;
-    return bin > 0 ? bin < BOKEH_BINS - 1 ? (int)bin : BOKEH_BINS - 1 : 0;
-}
-
 float bokeh_edge(int bin, float threshold) {
     return threshold * exp2f((float)bin / BOKEH_BIN_OCTAVE);
+}
+
+/* By the edges themselves, so that what lies above one is counted above it: a logarithm is off by a bit where they meet. */
+int bokeh_bin(float v, float threshold) {
+    const float at = log2f(v / threshold) * BOKEH_BIN_OCTAVE;
+    int bin = at > 0 ? at < BOKEH_BINS - 1 ? (int)at : BOKEH_BINS - 1 : 0;
+    while (bin > 0 && v <= bokeh_edge(bin, threshold)) bin--;
+    while (bin < BOKEH_BINS - 1 && v > bokeh_edge(bin + 1, threshold)) bin++;
+    return bin;
 }
 
 float bokeh_raise(const bokeh_limits *limits, const int64_t count[BOKEH_BINS], const double area[BOKEH_BINS], int64_t *dropped) {
@@ -96,6 +101,7 @@ float bokeh_raise(const bokeh_limits *limits, const int64_t count[BOKEH_BINS], c
         sum += area[bin];
     }
     for (int b = 0; b < bin; b++) *dropped += count[b];
+    if (bin == BOKEH_BINS) return INFINITY; /* the last one has no upper edge */
     return *dropped ? bokeh_edge(bin, limits->threshold) : limits->threshold;
 }
 
@@ -270,7 +276,7 @@ static float *coc_at(const work *w, int x, int y) {
 static void load_rows(work *w, int worker, int y0, int y1) {
     frame_job *job = w->job;
     ddof_image map = job->coc_source;
-    const float most = (float)COC_LIMIT;
+    const float most = job->method == DDOF_METHOD_SCATTER ? w->limits.largest : (float)COC_LIMIT;
     (void)worker;
     image_resolve(&map);
     for (int y = y0; y < y1; y++) {
@@ -514,11 +520,10 @@ static ddof_status fill_holes(work *w) {
 static int list_row(const work *w, int y, bokeh_sprite *list) {
     int count = 0;
     for (int x = 0; x < w->width; x++) {
-        const float coc = *coc_at(w, x, y), limited = fabsf(coc) < w->limits.largest ? coc : copysignf(w->limits.largest, coc);
-        const float *rgba = pixel_at(w, x, y), share = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
+        const float coc = *coc_at(w, x, y), *rgba = pixel_at(w, x, y), share = smooth(BOKEH_LEAST, BOKEH_WHOLE, fabsf(coc));
         if (!(share > 0)) continue;
         bokeh_sprite *s = &list[count++];
-        *s = (bokeh_sprite){.x = x, .y = y, .coc = limited, .node = iris_node(fabsf(limited)), .one = share};
+        *s = (bokeh_sprite){.x = x, .y = y, .coc = coc, .node = iris_node(fabsf(coc)), .one = share};
         for (int c = 0; c < 4; c++) s->color[c] = rgba[c] * share;
     }
     return count;

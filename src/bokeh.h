@@ -6,7 +6,7 @@
  * does it on the CPU, for the backends that have no sprites of their own.
  *
  * HIGHLIGHTS
- *   candidate  v = max(R, G, B) finite, v > threshold. d = the CoC of the pixel with the largest v at most 2 rows and columns away, the
+ *   candidate  v = max(R, G, B) > threshold, of a pixel that is no hole. d = the CoC of the pixel with the largest v at most 2 rows and columns away, the
  *              first in reading order of equals, among those whose colour and CoC are finite. a = smoothstep(2, 4, |d|); none where a = 0, or where
  *              |d| > limit (counted as large).
  *   budget     the threshold is the lowest edge >= threshold of a bin, 16 to the octave of v/threshold, 512 bins, above which there are at
@@ -17,7 +17,7 @@
  *              bokeh_inside() is.
  *   drawn      added, each pixel times visible(d of the pixel, d of the sprite).
  * FULL
- *   holes are filled from around, then every pixel with |d| >= 2, limited to `limit`, is a sprite of its R, G, B, A, and of 1, times
+ *   holes are filled from around, the CoC of the picture is limited to `limit`, then every pixel with |d| >= 2 is a sprite of its R, G, B, A, and of 1, times
  *   smoothstep(2, 4, |d|); near ones (d < 0) and far ones are summed by themselves, times visible(). With F, N the two sums of colour, f, n of 1,
  *   and t = smoothstep(2, 4, |d|) of the pixel's own CoC d:
  *       base = mix(colour, F/f, t) where d > 0 and f > 1e-6;  mix(colour, N/n, t) where d < 0 and n > 1e-6
@@ -26,7 +26,7 @@
  *   size, rounded up, l = bokeh_level() of its node, for HALF resolution at least 1. Then a pixel's sprite costs the same whatever the blur, and
  *   its rim is as soft in proportion. In the target of level l >= 1 the middle of the sprite of pixel (x, y) lies at (u/2 - 1/4, v/2 - 1/4), in
  *   pixels of the target counted from their middles, u = x >> (l - 1), v = y >> (l - 1); its diameter is |d|/2^l, its sum that of
- *   iris.inverse_sum[1] at its node less 64 (l - 1). With fringe l is that of |d|. visible() takes the CoC of the pixel (X << l, Y << l) of the
+ *   iris.inverse_sum[iris_sum(true, u, v, d < 0)] at its node less 64 (l - 1). With fringe l is that of |d|. visible() takes the CoC of the pixel (X << l, Y << l) of the
  *   picture. A target's sums are divided by 4^l and interpolated bilinearly, at the borders from inside, pixel x at (x + 1/2)/2^l - 1/2; those of
  *   all levels are added up. */
 #ifndef DDOF_BOKEH_H
@@ -62,7 +62,7 @@ typedef struct bokeh_sprite {
     float one;      /* FULL: what it weighs; HIGHLIGHTS: how much of it is taken from the picture */
 } bokeh_sprite;
 
-/* What is wrong with settings.method, bokeh, sprites and iris, or NULL. */
+/* What is wrong with settings.bokeh and, where they are looked at, sprites and iris, or NULL. */
 const char *bokeh_check(const ddof_settings *settings);
 
 bokeh_limits bokeh_limits_of(const frame_job *job);
@@ -80,12 +80,13 @@ float bokeh_edge(int bin, float threshold);
 /* The threshold that keeps within the limits. count, area: of the candidates in each bin. dropped: how many it leaves out. */
 float bokeh_raise(const bokeh_limits *limits, const int64_t count[BOKEH_BINS], const double area[BOKEH_BINS], int64_t *dropped);
 
-/* How much of a sprite of CoC s is seen over something of CoC p: all, unless that is nearer; then it counts how alike they are blurred. */
+/* How much of a sprite of CoC s is seen over something of CoC p: all, unless that is nearer; then it counts how alike they are blurred.
+ * All of it where p is not a number. */
 static inline float bokeh_visible(float p, float s) {
     float ratio = s > 0 ? p / s : p >= s ? 1.0f : s / p;
     float t = (ratio - 0.25f) * 2;
-    t = t > 0 ? t : 0;
     t = t < 1 ? t : 1;
+    t = t > 0 ? t : 0;
     return t * t * (3 - 2 * t);
 }
 

@@ -115,6 +115,7 @@ ddof_status pipeline_prepare(ddof_context *ctx, frame_job *job, const ddof_frame
                              bool read, double *focus_distance);
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only);
 size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only);
+size_t pipeline_iris_bytes(const frame_job *job); /* of ctx->iris, which is not part of it */
 /* x, y: of the part, in the picture of `job`. */
 void pipeline_inner(inner_job *inner, const frame_job *job, const ddof_image *part, const ddof_image *coc, int x, int y);
 /* One layer: by the method, and with the sprites, that the job asks for. */

@@ -26,6 +26,8 @@ static const char *check_image(const ddof_iris *s) {
     const size_t size = i->plane[0].type == DDOF_HALF ? 2 : 4;
     if (((uintptr_t)i->plane[0].data | (uintptr_t)i->plane[0].pixel_stride | (uintptr_t)i->plane[0].row_stride) % size)
         return "iris.image: data and strides must be multiples of the size of its type";
+    const int64_t most = INT64_C(1) << 40, pixel = i->plane[0].pixel_stride, line = i->plane[0].row_stride;
+    if (pixel > most || pixel < -most || line > most || line < -most) return "iris.image: a stride is beyond 2^40 bytes";
     return NULL;
 }
 
@@ -67,6 +69,11 @@ const float *iris_texels(const iris *of, int level) {
     return at;
 }
 
+float iris_reach(const ddof_iris *s) {
+    const double turn = s->rotation * PI / 180;
+    return s->shape == DDOF_IRIS_IMAGE ? (float)(fabs(cos(turn)) + fabs(sin(turn))) : 1;
+}
+
 /* ---- tables */
 
 /* Sum of `out`'s box of the image, which lies in the middle of a square of its longer side. */
@@ -82,22 +89,27 @@ static double box_sum(const ddof_image *image, double x0, double x1, double y0, 
     return sum;
 }
 
-/* The mean of what each texel covers, the brightest 1; then each level from the one before. */
-static bool make_texels(float *texel, const ddof_image *given) {
+/* The mean of what each texel covers; the brightest is returned, `changed` is set where it is not what was read before. */
+static float read_texels(float *read, const ddof_image *given, bool *changed) {
     ddof_image image = *given;
     image_resolve(&image);
     const double side = image.width > image.height ? image.width : image.height, step = side / IRIS_SIDE;
     const double left = (side - image.width) / 2, top = (side - image.height) / 2;
-    double most = 0;
-    static const int n = IRIS_SIDE;
-    for (int y = 0; y < n; y++)
-        for (int x = 0; x < n; x++) {
+    float most = 0;
+    for (int y = 0; y < IRIS_SIDE; y++)
+        for (int x = 0; x < IRIS_SIDE; x++) {
             const double v = box_sum(&image, x * step - left, (x + 1) * step - left, y * step - top, (y + 1) * step - top) / (step * step);
-            texel[y * n + x] = (float)fmin(v, 3e38);
-            most = fmax(most, fmin(v, 3e38));
+            const float texel = (float)fmin(v, 3e38);
+            *changed |= read[y * IRIS_SIDE + x] != texel;
+            read[y * IRIS_SIDE + x] = texel;
+            most = fmaxf(most, texel);
         }
-    if (!(most > 0)) return false;
-    for (int i = 0; i < n * n; i++) texel[i] = (float)(texel[i] / most);
+    return most;
+}
+
+/* The brightest 1; then each level from the one before. */
+static void make_texels(float *texel, const float *read, float most) {
+    for (int i = 0; i < IRIS_SIDE * IRIS_SIDE; i++) texel[i] = read[i] / most;
     float *from = texel;
     for (int l = 1; l < IRIS_LEVELS; l++) {
         const int half = iris_level_side(l), whole = 2 * half;
@@ -108,46 +120,68 @@ static bool make_texels(float *texel, const ddof_image *given) {
         }
         from = to;
     }
-    return true;
 }
 
-/* Of a mask whose middle lies `off` pixels from one of the target. */
-static double mask_sum(const iris *of, const sprite_kernels *k, float diameter, int level, float off, float cat_x) {
-    enum { ROOM = 128 };
+/* Of a mask whose middle lies (off_x, off_y) from a pixel of the target. */
+static double mask_sum(const iris *of, const sprite_kernels *k, const iris_row *like, float off_x, float off_y) {
+    enum { ROOM = 192 };
     float row[ROOM];
-    const float aspect = of->shape.aspect;
-    const int wide = (int)(diameter / 2) + 2, tall = (int)(diameter / 2 * aspect) + 2;
+    iris_row at = *like;
+    const float reach = like->diameter / 2 * of->reach;
+    const int wide = (int)reach + 2, tall = (int)(reach * of->shape.aspect) + 2;
     double sum = 0;
+    at.dx = off_x - (float)wide;
     for (int y = -tall; y <= tall; y++) {
-        const iris_row at = {.diameter = diameter, .side = 1, .cat_x = cat_x, .dx = off - (float)wide, .dy = off + (float)y, .level = level};
+        at.dy = off_y + (float)y;
         k->mask(of, &at, 2 * wide + 1, row);
         for (int x = 0; x <= 2 * wide; x++) sum += (double)row[x];
     }
     return sum;
 }
 
-/* Beyond this diameter a sum grows with the area. */
-enum { SUMMED = 6 * IRIS_OCTAVE };
+enum {
+    WIDEST = 6 * IRIS_OCTAVE,     /* that is drawn: 64 pixels */
+    SUMMED = WIDEST + IRIS_OCTAVE * 5 / 8 /* and with fringe half as much again; beyond that a sum grows with the area */
+};
+
+/* place: -1 in a picture of its size, else one of four in half of it, bit 0 to the right, bit 1 below. */
+static void make_inverse_sums(const iris *of, const sprite_kernels *k, int place, bool near, float *inverse) {
+    const bool half = place >= 0;
+    const float off_x = half ? place & 1 ? -0.25f : 0.25f : 0, off_y = half ? place & 2 ? -0.25f : 0.25f : 0;
+    const int last = SUMMED + half * IRIS_OCTAVE;
+    for (int node = 0; node < IRIS_NODES; node++)
+        if (node <= last) {
+            const iris_row like = {.diameter = of->diameter[node] / (half ? 2 : 1), .side = near ? -1 : 1, .level = iris_level(node, half)};
+            const double sum = mask_sum(of, k, &like, off_x, off_y);
+            inverse[node] = sum > 1e-6 ? (float)(1 / sum) : 0;
+        } else {
+            const double across = (double)of->diameter[node] / (double)of->diameter[last];
+            inverse[node] = (float)((double)inverse[last] / (across * across));
+        }
+}
+
+/* Discs are alike in all four places, and before the focus what is turned by half a turn is in the opposite one, but for its edge. */
+static void make_all_inverse_sums(iris *out, const sprite_kernels *k) {
+    for (int i = 0; i < IRIS_SUMS; i++) {
+        const int place = i % 5 - 1;
+        const bool near = i >= 5;
+        const float *same = NULL;
+        if (near && out->shape.edge == 0) same = out->inverse_sum[place < 0 ? 0 : 1 + (place ^ 3)];
+        if (out->shape.kind == DDOF_IRIS_DISC && place > 0) same = out->inverse_sum[5 * near + 1];
+        if (same)
+            memcpy(out->inverse_sum[i], same, sizeof out->inverse_sum[i]);
+        else
+            make_inverse_sums(out, k, place, near, out->inverse_sum[i]);
+    }
+}
 
 static void make_sums(iris *out, const sprite_kernels *k) {
     for (int node = 0; node < IRIS_NODES; node++) out->diameter[node] = iris_diameter(node);
-    for (int half = 0; half < 2; half++) {
-        const int last = SUMMED + half * IRIS_OCTAVE;
-        for (int node = 0; node < IRIS_NODES; node++) {
-            float *inverse = &out->inverse_sum[half][node];
-            const float diameter = out->diameter[node] / (half ? 2 : 1);
-            if (node <= last) {
-                const double sum = mask_sum(out, k, diameter, iris_level(node, half), half ? 0.25f : 0, 0);
-                *inverse = sum > 1e-6 ? (float)(1 / sum) : 0;
-            } else {
-                const double across = (double)diameter / iris_diameter(SUMMED);
-                *inverse = (float)(out->inverse_sum[half][last] / (across * across));
-            }
-        }
-    }
-    const double whole = 1.0 / (double)out->inverse_sum[0][SUMMED];
+    make_all_inverse_sums(out, k);
+    const double whole = 1.0 / (double)out->inverse_sum[0][WIDEST];
     for (int i = 0; i < IRIS_CATS; i++) {
-        const double sum = mask_sum(out, k, iris_diameter(SUMMED), iris_level(SUMMED, false), 0, (float)i / (IRIS_CATS - 1));
+        const iris_row like = {.diameter = iris_diameter(WIDEST), .side = 1, .cat_x = (float)i / (IRIS_CATS - 1), .level = iris_level(WIDEST, false)};
+        const double sum = mask_sum(out, k, &like, 0, 0);
         out->cats_gain[i] = sum * 1e3 > whole ? (float)(whole / sum) : 1e3f;
     }
 }
@@ -171,12 +205,16 @@ static iris_shape shape_of(const ddof_iris *s, double aspect) {
 
 bool iris_make(iris *out, const ddof_iris *s, double aspect, const sprite_kernels *k) {
     const iris_shape shape = shape_of(s, aspect);
+    bool changed = !out->made || memcmp(&shape, &out->shape, sizeof shape) != 0;
     if (s->shape == DDOF_IRIS_IMAGE) {
-        out->made = false;
-        if (!make_texels(out->texel, &s->image)) return false;
+        const float most = read_texels(out->read, &s->image, &changed);
+        out->made = out->made && most > 0;
+        if (!(most > 0)) return false;
+        if (changed) make_texels(out->texel, out->read, most);
     }
-    if (out->made && memcmp(&shape, &out->shape, sizeof shape) == 0) return true;
+    if (!changed) return true;
     out->shape = shape;
+    out->reach = iris_reach(s);
     make_sums(out, k);
     out->made = true;
     return true;

@@ -15,7 +15,7 @@
  *               the cat's eye
  * Times 1 + side edge (2 min(|p|/R, 1)^2 - 1). `aspect`: pixel rows that a pixel width spans.
  *
- * It is divided by its sum over a lattice of pixels, which a table has by |d|, so that a sprite has all of its pixel's light.
+ * It is divided by its sum over a lattice of pixels, which a table has by |d| and side, so that a sprite has all of its pixel's light.
  * For that |d| is rounded to a node of the table, of which there are 64 to the octave: that moves a rim by 0.27 % of the
  * diameter. With fringe each of red, green and blue has its own |d| (1 + side fringe {1, 0, -1}), rounded likewise. */
 #ifndef DDOF_IRIS_H
@@ -31,6 +31,7 @@ enum {
     IRIS_SIDE = 128,                    /* of the image's table, texels */
     IRIS_LEVELS = 5,                    /* 128, 64, 32, 16, 8 */
     IRIS_TEXELS = (128 * 128 * 4 - 8 * 8) / 3, /* of all levels, the largest first */
+    IRIS_SUMS = 10,
     IRIS_CATS = 65,                     /* nodes of |c t| from 0 to 1 */
     IRIS_BLADES = 64,
     IRIS_IMAGE_MOST = 4096              /* pixels a side */
@@ -51,11 +52,12 @@ typedef struct iris_shape {
 typedef struct iris {
     bool made;
     iris_shape shape;
+    float reach;                      /* iris_reach() */
     float diameter[IRIS_NODES];       /* of each node */
-    float inverse_sum[2][IRIS_NODES]; /* of the mask, by node of the sprite; [1]: in a picture of half the size, where its diameter is
-                                         half as large and its middle lies a quarter of a pixel off */
+    float inverse_sum[IRIS_SUMS][IRIS_NODES]; /* of the mask, by iris_sum() and node of the sprite */
     float cats_gain[IRIS_CATS];       /* what the cat's eye makes it brighter by, by |c t| */
     float texel[IRIS_TEXELS];         /* IMAGE: rows from the top */
+    float read[IRIS_SIDE * IRIS_SIDE]; /* the first level before it is made 1 where it is brightest */
 } iris;
 
 /* A row of a mask to be made, in pixels of the target. */
@@ -74,9 +76,18 @@ const char *iris_check(const ddof_iris *settings);
 /* False: its image lets no light through. */
 bool iris_make(iris *out, const ddof_iris *settings, double aspect, const struct sprite_kernels *kernels);
 
+/* How many radii it reaches right and left, up and down: 1, but for the corners of an image that is turned. */
+float iris_reach(const ddof_iris *settings);
+
 /* The node next to a diameter, and the diameter of a node: exp2(node / 64). */
 int iris_node(float diameter);
 float iris_diameter(int node);
+
+/* Of inverse_sum. half: in a picture of half the size, where its diameter is half as large and its middle lies a quarter of a pixel off:
+ * to the left of a pixel's where u is even, else to the right; above it where v is even, else below. near: before the focus. */
+static inline int iris_sum(bool half, int u, int v, bool near) {
+    return 5 * near + (half ? 1 + (u & 1) + 2 * (v & 1) : 0);
+}
 
 /* The level of the image's table for a sprite of a node, `half` or not; where its texels begin, and how many a side has. */
 int iris_level(int node, bool half);

@@ -136,6 +136,10 @@ static ddof_status check_method(ddof_context *ctx, const frame_job *job) {
     return DDOF_OK;
 }
 
+size_t pipeline_iris_bytes(const frame_job *job) {
+    return wants_sprites(job) ? sizeof(iris) : 0;
+}
+
 size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only) {
     if (coc_only) return ctx->backend->scratch_bytes(ctx, job);
     return layers_wanted(job) ? layers_scratch_bytes(ctx, job) : pipeline_blur_bytes(ctx, job);

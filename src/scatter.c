@@ -25,6 +25,7 @@ void scatter_plan(scatter *s, const ddof_context *ctx, const frame_job *job, con
     s->middle_y = (float)(0.5 * (height - 1) - f->offset_y);
     s->per_diagonal = (float)(2 / hypot(width, height / job->pixel_aspect));
     s->fringe = job->settings->iris.fringe != 0 && f->color.channels > 2;
+    s->radii = iris_reach(&job->settings->iris);
     s->largest = limits->largest * (1 + fabsf((float)job->settings->iris.fringe));
     s->first = limits->half;
     s->levels = bokeh_level(iris_node(limits->largest), limits->half) + 1;
@@ -34,7 +35,7 @@ void scatter_plan(scatter *s, const ddof_context *ctx, const frame_job *job, con
     }
     s->nodes = iris_node(s->largest) + 1;
     for (int node = 0; node < s->nodes; node++) {
-        for (int half = 0; half < 2; half++) s->reach[half][node] = (short)(iris_diameter(node) * (half ? 0.25f : 0.5f) + 2);
+        for (int half = 0; half < 2; half++) s->reach[half][node] = (short)(s->radii * iris_diameter(node) * (half ? 0.25f : 0.5f) + 2);
         s->mask[node + 1] = s->mask[node] + PLACES * (2 * s->reach[s->half][node] + 1);
     }
 }
@@ -60,7 +61,7 @@ size_t scatter_take(scatter *s, void *base, int workers) {
 int scatter_reach(const scatter *s, int level) {
     const bool last = level == s->levels - 1;
     const float there = last ? s->largest : fminf(s->largest, 64.0f * (float)(1 << level) * 1.5f); /* fringe: half as much again */
-    return (int)(0.5f * there * s->aspect + (2 + s->aspect) * (float)(1 << level)) + 1;
+    return (int)(0.5f * there * s->radii * s->aspect + (2 + s->aspect) * (float)(1 << level)) + 1;
 }
 
 /* Of a circle of light, not yet clipped; made once for a row of sprites where it depends on the node alone. */
@@ -98,7 +99,7 @@ static void draw(const scatter *s, scatter_masks *w, int level, const bokeh_spri
     const int u = half ? p->x >> (level - 1) : p->x, v = half ? p->y >> (level - 1) : p->y, table = table_node(node, level);
     iris_row row = {.diameter = s->iris->diameter[table] * (half ? 0.5f : 1), .side = p->coc < 0 ? -1 : 1, .level = iris_level(table, half)};
     row.dy = half ? (float)(y - v / 2) + (v % 2 ? -0.25f : 0.25f) : (float)(y - v);
-    if (fabsf(row.dy) > 0.5f * row.diameter * s->aspect + 1 + s->aspect) return;
+    if (fabsf(row.dy) > 0.5f * row.diameter * s->radii * s->aspect + 1 + s->aspect) return;
     if (s->iris->shape.cats_eye != 0) {
         row.cat_x = ((float)p->x - s->middle_x) * s->per_diagonal * s->iris->shape.cats_eye;
         row.cat_y = (s->middle_y - (float)p->y) / s->aspect * s->per_diagonal * s->iris->shape.cats_eye;
@@ -106,7 +107,7 @@ static void draw(const scatter *s, scatter_masks *w, int level, const bokeh_spri
     const int reach = reach_on(s, &row, s->reach[half][table]), count = 2 * reach + 1, begin = (half ? u / 2 : u) - reach;
     row.dx = (half ? u % 2 ? -0.25f : 0.25f : 0) - (float)reach;
     const float *mask = mask_of(s, w, table, (p->coc < 0) * 2 + (half && u % 2), &row, count);
-    float gain = s->iris->inverse_sum[half][table], light[4];
+    float gain = s->iris->inverse_sum[iris_sum(half, u, v, p->coc < 0)][table], light[4];
     if (row.cat_x != 0 || row.cat_y != 0) gain *= cats_gain(s, &row);
     for (int c = 0; c < 4; c++) light[c] = color[c] * gain;
     const scatter_level *l = &s->level[level];

@@ -40,6 +40,7 @@ typedef struct scatter {
     int levels, first;                              /* the first is 1 where half */
     scatter_level level[BOKEH_LEVELS];
     float largest;            /* CoC of any channel, pixels */
+    float radii;              /* iris_reach() */
     int nodes;                /* that occur */
     short reach[2][IRIS_NODES]; /* pixels from a sprite's middle to the ends of its masks, at level 0 and above */
     int mask[IRIS_NODES + 1]; /* where a node's masks begin, floats */
