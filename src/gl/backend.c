@@ -117,6 +117,7 @@ static void gl_trim(ddof_context *ctx) {
     if (!b->gl || b->gl->lost || !enter(ctx, b)) return;
     delete_images(b);
     gl_surfaces_delete(b->gl);
+    gl_sprites_delete(b->gl);
     leave(b);
 }
 
@@ -214,35 +215,53 @@ static gl_frame frame_of(const gl_backend *b, frame_job *job) {
                       .map = b->images.map};
 }
 
-static ddof_status diffuse_now(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s) {
+/* What a stage does with the picture on the GPU. */
+typedef ddof_status (*gl_work)(ddof_gl *gl, const gl_frame *frame);
+
+static ddof_status work_now(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s, gl_work work) {
+    const ddof_image *color = &job->frame->color;
     const GLenum format = job->settings->surface == DDOF_SURFACE_RGBA32F ? GL_RGBA32F : GL_RGBA16F;
-    ddof_status status = make_images(ctx, b, job->frame->color.width, job->frame->color.height, format);
+    ddof_status status = make_images(ctx, b, color->width, color->height, format);
     if (status == DDOF_OK) status = upload(ctx, b, job, s);
     if (status != DDOF_OK) return status;
     gl_frame frame = frame_of(b, job);
     frame.output = b->images.output;
-    frame.alpha = job->frame->color.channels == 4;
+    frame.alpha = color->channels == 4;
     frame.half_output = format == GL_RGBA16F;
+    frame.colors = color->alpha == DDOF_ALPHA_STRAIGHT ? color->channels - 1 : color->channels < 3 ? color->channels : 3;
+    frame.gain = s->gain;
     for (GLuint i = 0; i < GL_UNITS; i++)
         b->gl->f.BindSampler(i, b->gl->sampler);
     b->gl->f.BindVertexArray(b->gl->vertex_array);
     b->gl->f.Disable(GL_DITHER);
-    status = gl_solve(b->gl, &frame);
+    status = work(b->gl, &frame);
     return status == DDOF_OK ? download(ctx, b, job, s) : status;
 }
 
-static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
+static ddof_status run(ddof_context *ctx, frame_job *job, void *scratch, gl_work work) {
     gl_backend *b = ctx->device;
     staging s = staging_lay_out(job, scratch);
     ctx->progress_total = 2.0 * job->frame->color.height;
-    ddof_status status = gl_check_solver(ctx, job->settings);
-    if (status != DDOF_OK) return status;
-    status = ready(ctx, b);
-    if (status == DDOF_OK) status = diffuse_now(ctx, b, job, &s);
+    ddof_status status = job->method == DDOF_METHOD_DIFFUSION ? gl_check_solver(ctx, job->settings) : DDOF_OK;
+    if (status == DDOF_OK) status = ready(ctx, b);
+    if (status == DDOF_OK) status = work_now(ctx, b, job, &s, work);
     leave(b);
     if (ctx->cancelled) return DDOF_ERROR_CANCELLED;
     return ctx->error[0] && status == DDOF_ERROR_CANCELLED ? DDOF_ERROR_DEVICE
                                                            : status; /* lost between two callbacks */
+}
+
+static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
+    return run(ctx, job, scratch, gl_solve);
+}
+
+static ddof_status draw_and_count(ddof_gl *gl, const gl_frame *frame) {
+    const ddof_status status = gl_sprites_render(gl, frame);
+    return status == DDOF_OK ? gl_sprites_count(gl, frame) : status;
+}
+
+static ddof_status gl_scatter(ddof_context *ctx, frame_job *job, void *scratch) {
+    return run(ctx, job, scratch, draw_and_count);
 }
 
 static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
@@ -288,7 +307,7 @@ static ddof_status gl_coc_stage(ddof_context *ctx, frame_job *job, void *scratch
 
 static size_t gl_device_bytes(const ddof_context *ctx) {
     const gl_backend *b = ctx->device;
-    return b->gl ? b->gl->surfaces.bytes : 0;
+    return b->gl ? b->gl->surfaces.bytes + b->gl->sprites.bytes : 0;
 }
 
 static const char *gl_device(const ddof_context *ctx) {
@@ -337,6 +356,7 @@ const backend backend_gl = {
     .scratch_bytes = staging_bytes,
     .coc = gl_coc_stage,
     .diffuse = gl_diffuse,
+    .sprites = gl_scatter,
     .device = gl_device,
     .open = gl_open,
     .close = gl_close,

@@ -102,6 +102,7 @@ static ddof_status set_up(ddof_gl *gl, char *text, size_t size) {
     load_reset_status(gl, version);
     gl_device_clear_errors(gl);
     f->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_size);
+    gl->blends = has_extension(f, "GL_EXT_float_blend");
     make_objects(gl);
     if ((version < 32 && !has_extension(f, "GL_EXT_color_buffer_float")) || !renders_float(gl)) {
         snprintf(text, size, "this GL (%s) does not render to float textures: EXT_color_buffer_float is needed",
@@ -136,7 +137,9 @@ void gl_device_destroy(ddof_gl **out) {
     *out = NULL;
     if (gl->vertex_array) {
         gl_programs_delete(gl, &gl->programs);
+        gl_programs_delete(gl, &gl->sprites.programs);
         gl_surfaces_delete(gl);
+        gl_sprites_delete(gl);
         gl->f.DeleteFramebuffers(1, &gl->output);
         gl->f.DeleteFramebuffers(1, &gl->probe);
         gl->f.DeleteSamplers(1, &gl->sampler);

@@ -10,6 +10,7 @@
 #include "../context.h"
 #include "functions.h"
 #include "programs.h"
+#include "sprites.h"
 #include "surfaces.h"
 
 enum { GL_CONTEXT_WAS_LOST = 0x0507 }; /* an error of ES 3.2 and KHR_robustness */
@@ -26,6 +27,8 @@ struct ddof_gl {
     GLuint probe;  /* framebuffer to look at the caller's inputs with */
     gl_programs programs;
     gl_surfaces surfaces;
+    gl_sprites sprites;
+    bool blends; /* floats of 32 bits, too */
     int64_t objects, draws;
     bool lost;
 };
@@ -38,6 +41,8 @@ typedef struct gl_frame {
     GLuint color, map; /* map: depth or CoC */
     GLuint output;
     bool alpha, half_output;
+    int colors; /* of the channels, how many are colour */
+    float gain; /* what the colours are multiplied by */
 } gl_frame;
 
 /* device.c: everything but surfaces. The context must be current. On failure *gl is NULL and `text` says why. */
@@ -57,5 +62,11 @@ ddof_status gl_check_solver(ddof_context *owner, const ddof_settings *settings);
  * output, of type R32F. */
 ddof_status gl_solve(ddof_gl *gl, const gl_frame *frame);
 ddof_status gl_coc(ddof_gl *gl, const gl_frame *frame);
+
+/* What passes have in common. gl_set_lens: the first four of gl_uniform. gl_attach_output: false: GL cannot draw to that texture. */
+void gl_set_lens(const gl_functions *f, const GLint *uniform, const gl_frame *frame);
+void gl_bind(const gl_functions *f, GLuint unit, GLuint texture);
+bool gl_attach_output(ddof_gl *gl, GLuint texture);
+void gl_detach_output(ddof_gl *gl);
 
 #endif

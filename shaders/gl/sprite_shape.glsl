@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The ddof authors
+// SPDX-License-Identifier: MIT
+
+// What iris.glsl asks for, and how far a sprite reaches.
+const int iris_kind = IRIS;
+uniform float iris_blades, iris_curvature, iris_edge, iris_squeeze, iris_aspect, iris_fringe;
+uniform vec2 iris_turn;
+
+float iris_texel(int level, ivec2 at) {
+    int side = 128 >> level, n = (65536 - (65536 >> (2 * level))) / 3 + at.y * side + at.x; // all levels, the largest first
+    return table(TEXEL + (n >> 10), n & 1023);
+}
+
+// Pixels of the target to the left and right of that of its middle, and above and below its middle. As on the CPU: of an image
+// that is turned nothing lies beyond.
+vec2 sprite_reach(float diameter) {
+    return vec2(floor(diameter * 0.5) + 2.0, 0.5 * diameter * iris_aspect + 1.0 + iris_aspect);
+}

@@ -1,0 +1,51 @@
+/* SPDX-FileCopyrightText: 2026 The ddof authors
+ * SPDX-License-Identifier: MIT */
+
+/* Stage bokeh in pixel shaders (docs/gl.md, Sprites): what the sprites need beyond the solver. */
+#ifndef DDOF_GL_SPRITES_H
+#define DDOF_GL_SPRITES_H
+
+#include "../bokeh.h"
+#include "programs.h"
+#include "surfaces.h"
+
+enum { SPRITE_BLOCK = 16, SPRITE_LEVELS = 4 /* of sums by blocks of 16 x 16 */ };
+
+typedef struct sprite_layout {
+    int width, height;
+    ddof_surface surface; /* of the picture without highlights */
+    bool full, half, beside;
+    bool blends; /* floats of 32 bits are added up; else of 16 */
+} sprite_layout;
+
+typedef struct gl_sprites {
+    sprite_layout layout;
+    int target_width, target_height; /* of one picture of sprites; FULL has two, one below or beside the other */
+    gl_target pixels;                /* CoC, and of HIGHLIGHTS the candidates */
+    gl_target rest;                  /* HIGHLIGHTS: the picture without their light, then diffused */
+    gl_target sums;                  /* of the sprites, and of FULL of what they weigh */
+    gl_target level[SPRITE_LEVELS];  /* sums by blocks */
+    int levels;
+    gl_target budget[2]; /* the search for the threshold, in turn */
+    GLuint table;        /* of the iris */
+    iris_shape shape;    /* that it holds */
+    bool filled;
+    size_t bytes;
+    gl_programs programs;
+} gl_sprites;
+
+struct ddof_gl;
+struct gl_frame;
+
+/* Plans the surfaces; needs no GL. max_size: of a texture. */
+void gl_sprites_plan(gl_sprites *s, const frame_job *job, int max_size, bool blends);
+void gl_sprites_delete(struct ddof_gl *gl);
+
+/* From frame->color to frame->output, with the diffusion in between where the job has highlights. State is the caller's to
+ * save, blending with it. */
+ddof_status gl_sprites_render(struct ddof_gl *gl, const struct gl_frame *frame);
+
+/* Waits for it and fills in what the job counts. Changes what is bound to read from. */
+ddof_status gl_sprites_count(struct ddof_gl *gl, const struct gl_frame *frame);
+
+#endif
