@@ -25,15 +25,21 @@ vec4 sum_of_block(ivec2 from) {
 }
 
 #if STEP == 0
-// Those in or above the bin, and their area in sixteenths that are cut off as on the CPU; all; those too large. `final`: the
-// first two are those above the threshold, and those in or above the bin.
+// The square around a sprite, where it is drawn, in sixteenths of a pixel, cut off as on the CPU.
+float area_of(float coc) {
+    float node = node_of(abs(coc)), across = table(DIAMETER, int(node)) / float(1 << bokeh_level(node, first_level > 0));
+    return floor(across * across * 16.0) * 0.0625;
+}
+
+// Those in or above the bin, and their area; all; those too large. `final`: the first two are those above the threshold, and
+// those in or above the bin.
 vec4 count_of(vec2 c, float edge) {
     if (c.x == 0.0) return vec4(0.0);
 #if !FULL
     if (abs(c.x) > largest) return vec4(0.0, 0.0, 0.0, 1.0);
 #endif
     if (final) return vec4(c.y > edge || FULL != 0, c.y >= edge, 1.0, 0.0);
-    return c.y >= edge ? vec4(1.0, floor(c.x * c.x * 16.0) * 0.0625, 1.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
+    return c.y >= edge ? vec4(1.0, area_of(c.x), 1.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
 }
 
 void main() {

@@ -8,6 +8,7 @@ flat in vec3 node;
 flat in vec2 middle;
 flat in float coc;
 flat in vec2 cat;
+flat in int level;
 flat in ivec2 corner;
 
 layout(location = 0) out highp vec4 light_target;
@@ -16,12 +17,12 @@ layout(location = 1) out highp vec4 weight_target;
 #endif
 
 float mask_of(vec2 offset, float n) {
-    float diameter = table(DIAMETER, int(n)) * (HALF_SIZE != 0 ? 0.5 : 1.0);
+    float diameter = diameter_of(n, level);
 #if FRINGE
     vec2 reach = sprite_reach(diameter);
     if (abs(floor(offset.x + 0.5)) > reach.x || abs(offset.y) > reach.y) return 0.0;
 #endif
-    return iris_mask(offset, diameter, coc < 0.0 ? -1.0 : 1.0, cat, iris_level(n, HALF_SIZE != 0));
+    return iris_mask(offset, diameter, coc < 0.0 ? -1.0 : 1.0, cat, iris_level(n, level > 0));
 }
 
 void main() {
@@ -32,7 +33,7 @@ void main() {
     mask.r = mask_of(offset, node.r);
     mask.b = mask_of(offset, node.b);
 #endif
-    mask *= bokeh_visible(texelFetch(coc_map, HALF_SIZE != 0 ? 2 * p : p, 0).x, coc);
+    mask *= bokeh_visible(texelFetch(coc_map, p << level, 0).x, coc);
     light_target = light * vec4(mask, mask.g);
 #if FULL
     weight_target = vec4(one * mask.g);

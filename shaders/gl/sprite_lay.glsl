@@ -2,20 +2,20 @@
 // SPDX-License-Identifier: MIT
 
 // What the sprites have added up to, laid on the picture.
-uniform ivec2 target_size, second;
 layout(location = 0) out highp vec4 picture_target;
 
-// At a pixel of the picture whose `corner` lies there.
+// At a pixel of the picture, all levels; `corner`: 0, or where the near ones begin.
 vec4 sum_at(highp sampler2D map, ivec2 p, ivec2 corner) {
-#if HALF_SIZE
-    ivec2 before = (p - 1) >> 1, from = max(before, 0), to = min(before + 1, target_size - 1);
-    vec2 share = vec2((p.x & 1) == 1 ? 0.25 : 0.75, (p.y & 1) == 1 ? 0.25 : 0.75);
-    vec4 above = mix(texelFetch(map, corner + from, 0), texelFetch(map, corner + ivec2(to.x, from.y), 0), share.x);
-    vec4 below = mix(texelFetch(map, corner + ivec2(from.x, to.y), 0), texelFetch(map, corner + to, 0), share.x);
-    return 0.25 * mix(above, below, share.y);
-#else
-    return texelFetch(map, corner + p, 0);
-#endif
+    vec4 sum = vec4(0.0);
+    for (int level = first_level; level < levels; level++) {
+        float scale = 1.0 / float(1 << level);
+        vec2 at = (vec2(p) + 0.5) * scale - 0.5, before = floor(at), share = at - before;
+        ivec2 from = max(ivec2(before), 0), to = min(ivec2(before) + 1, place[level].zw - 1), base = corner + place[level].xy;
+        vec4 above = mix(texelFetch(map, base + from, 0), texelFetch(map, base + ivec2(to.x, from.y), 0), share.x);
+        vec4 below = mix(texelFetch(map, base + ivec2(from.x, to.y), 0), texelFetch(map, base + to, 0), share.x);
+        sum += scale * scale * mix(above, below, share.y);
+    }
+    return sum;
 }
 
 #if FULL

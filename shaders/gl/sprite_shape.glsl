@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 
 // What iris.glsl asks for, and how far a sprite reaches.
-const int iris_kind = IRIS;
+const int iris_kind = IRIS; // of the passes that draw
 uniform float iris_blades, iris_curvature, iris_edge, iris_squeeze, iris_aspect, iris_fringe;
 uniform vec2 iris_turn;
 
@@ -11,7 +11,12 @@ float iris_texel(int level, ivec2 at) {
     return table(TEXEL + (n >> 10), n & 1023);
 }
 
-// Pixels of the target to the left and right of that of its middle, and above and below its middle. As on the CPU: of an image
+// Of a node of the tables, in pixels of a level.
+float diameter_of(float node, int level) {
+    return table(DIAMETER, int(node)) * (level > 0 ? 0.5 : 1.0);
+}
+
+// Pixels of the level to the left and right of that of its middle, and above and below its middle. As on the CPU: of an image
 // that is turned nothing lies beyond.
 vec2 sprite_reach(float diameter) {
     return vec2(floor(diameter * 0.5) + 2.0, 0.5 * diameter * iris_aspect + 1.0 + iris_aspect);

@@ -3,7 +3,6 @@
 
 // Sprites: what all of their passes share (src/gl/sprites.c). The constants that are put in front:
 //   FULL      every pixel is a sprite; else the highlights are
-//   HALF_SIZE sprites are added up in a picture of half the size
 //   ALPHA     0: the fourth channel is not looked at, and 1
 //   TO_HALF   half floats are written
 
@@ -19,11 +18,24 @@ uniform vec3 colors;     // 1 for each channel that is colour, else 0
 uniform float threshold; // as asked for
 uniform float largest;   // |CoC|
 
+// Sprites are added up in pictures of 1/2^level of the size, all in one target.
+uniform int first_level, levels;
+uniform ivec4 place[8]; // of a level in it, width and height
+uniform ivec2 second;   // where the near ones begin; 0: among the far ones
+
 // Rows of the table.
-const int INVERSE_SUM = HALF_SIZE, DIAMETER = 2, EDGE = 3, CATS_GAIN = 4, TEXEL = 5;
+const int INVERSE_SUM = 0, DIAMETER = 2, EDGE = 3, CATS_GAIN = 4, TEXEL = 5;
 
 float table(int row, int at) {
     return texelFetch(table_map, ivec2(at, row), 0).x;
+}
+
+// The node next to a diameter: log2() alone may miss it by one.
+float iris_node(float diameter);
+float node_of(float d) {
+    const float half_node = 1.0054299011128028; // exp2(1/128)
+    float n = iris_node(d), at = table(DIAMETER, int(n));
+    return clamp(d >= at * half_node ? n + 1.0 : d * half_node < at ? n - 1.0 : n, 0.0, 832.0);
 }
 
 vec4 color_texel(ivec2 p) {

@@ -31,7 +31,9 @@ enum {
     S_MOST,
     S_FINAL,
     S_FIRST_ROW,
-    S_TARGET_SIZE,
+    S_FIRST_LEVEL,
+    S_LEVELS,
+    S_PLACE,
     S_SECOND,
     S_SCREEN,
     S_CATS_EYE,
@@ -47,9 +49,10 @@ enum {
 
 /* Up to the lens those of solver.c. */
 static const char *const uniform_name[S_UNIFORMS] = {
-    "depth_linear", "depth_axis",     "lens_curve", "lens_limit",   "size",        "colors",      "threshold", "largest",
-    "summed",       "most",           "final",      "first_row",    "target_size", "second",      "screen",    "cats_eye",
-    "iris_blades",  "iris_curvature", "iris_edge",  "iris_squeeze", "iris_aspect", "iris_fringe", "iris_turn",
+    "depth_linear", "depth_axis",  "lens_curve",     "lens_limit", "size",         "colors",      "threshold",   "largest",
+    "summed",       "most",        "final",          "first_row",  "first_level",  "levels",      "place",       "second",
+    "screen",       "cats_eye",    "iris_blades",    "iris_curvature", "iris_edge", "iris_squeeze", "iris_aspect", "iris_fringe",
+    "iris_turn",
 };
 
 enum { UNIT_CANDIDATE = 2, UNIT_BUDGET, UNIT_TABLE, UNIT_SUM, UNIT_WEIGHT = UNIT_BUDGET /* of the last pass, which has no other */ };
@@ -77,38 +80,60 @@ static gl_target planned(gl_sprites *s, int width, int height, GLenum format, GL
     return (gl_target){.width = width, .height = height, .format = {format, second}};
 }
 
-static sprite_layout layout_of(const frame_job *job, int max_size, bool blends) {
+static sprite_layout layout_of(const frame_job *job, bool blends) {
+    const bokeh_limits limits = bokeh_limits_of(job);
     sprite_layout l;
     memset(&l, 0, sizeof l); /* layouts are compared by their bytes */
     l.width = job->frame->color.width;
     l.height = job->frame->color.height;
     l.surface = job->settings->surface == DDOF_SURFACE_RGBA32F ? DDOF_SURFACE_RGBA32F : DDOF_SURFACE_RGBA16F;
     l.full = job->method == DDOF_METHOD_SCATTER;
-    l.half = bokeh_limits_of(job).half;
-    l.beside = l.full && (l.half ? (l.height + 1) / 2 : l.height) > max_size / 2;
+    l.first = limits.half;
+    l.levels = bokeh_level(iris_node(limits.largest), limits.half) + 1;
     l.blends = blends;
     return l;
 }
 
+/* The levels in one target: the first, below it the others in a row, below them the same again for the near sprites of FULL;
+ * `beside`: all that turned on its side. */
+static gl_target place_levels(gl_sprites *s, bool beside) {
+    const sprite_layout *l = &s->layout;
+    int along = 0, across = 0;
+    for (int i = l->first; i < l->levels; i++) {
+        const int size[2] = {(l->width + (1 << i) - 1) >> i, (l->height + (1 << i) - 1) >> i};
+        GLint *place = s->place[i];
+        place[beside] = i == l->first ? 0 : across;
+        place[!beside] = i == l->first ? 0 : s->place[l->first][3 - beside];
+        place[2] = size[0];
+        place[3] = size[1];
+        if (i > l->first) across += size[beside];
+        if (place[!beside] + size[!beside] > along) along = place[!beside] + size[!beside];
+    }
+    if (s->place[l->first][2 + beside] > across) across = s->place[l->first][2 + beside];
+    s->second[beside] = 0;
+    s->second[!beside] = l->full ? along : 0;
+    along *= l->full ? 2 : 1;
+    return (gl_target){.width = beside ? along : across, .height = beside ? across : along};
+}
+
 void gl_sprites_plan(gl_sprites *s, const frame_job *job, int max_size, bool blends) {
-    const sprite_layout l = layout_of(job, max_size, blends);
+    const sprite_layout l = layout_of(job, blends);
     const GLenum color = l.surface == DDOF_SURFACE_RGBA32F ? GL_RGBA32F : GL_RGBA16F;
     const gl_programs programs = s->programs;
     memset(s, 0, sizeof *s);
     s->programs = programs;
     s->layout = l;
-    s->target_width = l.half ? (l.width + 1) / 2 : l.width;
-    s->target_height = l.half ? (l.height + 1) / 2 : l.height;
     s->pixels = planned(s, l.width, l.height, GL_R32F, l.full ? 0 : GL_RG32F);
     if (!l.full) s->rest = planned(s, l.width, l.height, color, 0);
-    s->sums = planned(s, s->target_width * (l.beside ? 2 : 1), s->target_height * (l.full && !l.beside ? 2 : 1),
-                      blends ? GL_RGBA32F : GL_RGBA16F, !l.full ? 0 : blends ? GL_R32F : GL_R16F);
+    gl_target light = place_levels(s, false);
+    if (light.height > max_size) light = place_levels(s, true);
+    s->light = planned(s, light.width, light.height, blends ? GL_RGBA32F : GL_RGBA16F, !l.full ? 0 : blends ? GL_R32F : GL_R16F);
     int w = l.width, h = l.height;
     do {
         w = (w + SPRITE_BLOCK - 1) / SPRITE_BLOCK;
         h = (h + SPRITE_BLOCK - 1) / SPRITE_BLOCK;
-        s->level[s->levels++] = planned(s, w, h, GL_RGBA32F, 0);
-    } while ((w > SPRITE_BLOCK || h > SPRITE_BLOCK) && s->levels < SPRITE_LEVELS);
+        s->sums[s->sum_levels++] = planned(s, w, h, GL_RGBA32F, 0);
+    } while ((w > SPRITE_BLOCK || h > SPRITE_BLOCK) && s->sum_levels < SPRITE_SUMS);
     for (int i = 0; i < 2; i++) s->budget[i] = planned(s, 1, 1, GL_RGBA32F, 0);
     s->bytes += (size_t)TABLE_WIDTH * TABLE_HEIGHT * texel_bytes(GL_R32F);
 }
@@ -118,8 +143,8 @@ void gl_sprites_delete(ddof_gl *gl) {
     const gl_programs programs = s->programs;
     gl_target_delete(gl, &s->pixels);
     gl_target_delete(gl, &s->rest);
-    gl_target_delete(gl, &s->sums);
-    for (int i = 0; i < s->levels; i++) gl_target_delete(gl, &s->level[i]);
+    gl_target_delete(gl, &s->light);
+    for (int i = 0; i < s->sum_levels; i++) gl_target_delete(gl, &s->sums[i]);
     for (int i = 0; i < 2; i++) gl_target_delete(gl, &s->budget[i]);
     gl->f.DeleteTextures(1, &s->table);
     memset(s, 0, sizeof *s);
@@ -128,12 +153,12 @@ void gl_sprites_delete(ddof_gl *gl) {
 
 static ddof_status make(ddof_gl *gl, const frame_job *job) {
     gl_sprites *s = &gl->sprites;
-    const sprite_layout layout = layout_of(job, gl->max_size, gl->blends);
+    const sprite_layout layout = layout_of(job, gl->blends);
     if (memcmp(&s->layout, &layout, sizeof layout) == 0) return DDOF_OK;
     gl_sprites_delete(gl);
     gl_sprites_plan(s, job, gl->max_size, gl->blends);
-    if (s->sums.width > gl->max_size || s->sums.height > gl->max_size) {
-        const int width = s->sums.width, height = s->sums.height;
+    if (s->light.width > gl->max_size || s->light.height > gl->max_size) {
+        const int width = s->light.width, height = s->light.height;
         gl_sprites_delete(gl);
         return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
                             "the sprites need a surface of %d x %d, and this GL (%s) allows %d: let sprites.resolution be half",
@@ -142,8 +167,8 @@ static ddof_status make(ddof_gl *gl, const frame_job *job) {
     gl->f.ActiveTexture(GL_TEXTURE0);
     ddof_status status = gl_target_make(gl, &s->pixels);
     if (status == DDOF_OK && !layout.full) status = gl_target_make(gl, &s->rest);
-    if (status == DDOF_OK) status = gl_target_make(gl, &s->sums);
-    for (int i = 0; i < s->levels && status == DDOF_OK; i++) status = gl_target_make(gl, &s->level[i]);
+    if (status == DDOF_OK) status = gl_target_make(gl, &s->light);
+    for (int i = 0; i < s->sum_levels && status == DDOF_OK; i++) status = gl_target_make(gl, &s->sums[i]);
     for (int i = 0; i < 2 && status == DDOF_OK; i++) status = gl_target_make(gl, &s->budget[i]);
     if (status == DDOF_OK) {
         s->table = gl_texture_make(gl, GL_R32F, TABLE_WIDTH, TABLE_HEIGHT);
@@ -181,25 +206,24 @@ static void fill_table(ddof_gl *gl, const iris *from) {
 typedef struct variant {
     sprite_pass pass;
     int depth, iris; /* as in gl_variant; iris: ddof_iris_shape */
-    bool full, half, alpha, to_half, fringe;
+    bool full, alpha, to_half, fringe;
 } variant;
 
 static const gl_program *program_of(ddof_gl *gl, const variant *v, ddof_status *status) {
     gl_programs *list = &gl->sprites.programs;
     const unsigned key = (unsigned)v->pass | (unsigned)v->depth << 3 | (unsigned)v->iris << 6 | (unsigned)v->full << 8 |
-                         (unsigned)v->half << 9 | (unsigned)v->alpha << 10 | (unsigned)v->to_half << 11 |
-                         (unsigned)v->fringe << 12;
+                         (unsigned)v->alpha << 9 | (unsigned)v->to_half << 10 | (unsigned)v->fringe << 11;
     const gl_program *found = gl_program_find(list, key);
     const bool draws = v->pass == PASS_DRAW;
     char defines[256];
     if (found) return found;
     snprintf(defines, sizeof defines,
-             "#define DEPTH %d\n#define IRIS %d\n#define FULL %d\n#define HALF_SIZE %d\n#define ALPHA %d\n#define TO_HALF %d\n"
+             "#define DEPTH %d\n#define IRIS %d\n#define FULL %d\n#define ALPHA %d\n#define TO_HALF %d\n"
              "#define FRINGE %d\n#define STEP %d\n",
-             v->depth, v->iris, v->full, v->half, v->alpha, v->to_half, v->fringe, (int)v->pass - (int)PASS_COUNT);
+             v->depth, v->iris, v->full, v->alpha, v->to_half, v->fringe, (int)v->pass - (int)PASS_COUNT);
     const char *coc = shader_text("include/coc.glsl"), *bokeh = shader_text("include/bokeh.glsl");
-    const char *shared = shader_text("gl/sprites.glsl"), *shape = draws ? shader_text("gl/sprite_shape.glsl") : "";
-    const char *iris_text = draws ? shader_text("include/iris.glsl") : "";
+    const char *shared = shader_text("gl/sprites.glsl"), *shape = shader_text("gl/sprite_shape.glsl");
+    const char *iris_text = shader_text("include/iris.glsl");
     gl_source source = {.name = pass_file[v->pass],
                         .vertex_name = draws ? "gl/sprite_vertex.glsl" : "gl/triangle.glsl",
                         .vertex = {shader_text("gl/triangle.glsl")},
@@ -243,7 +267,6 @@ static variant variant_of(const work *w, sprite_pass pass) {
     if (pass == PASS_FIND && job->is_depth) v.depth = 1 + (int)job->curve.kind;
     if (pass == PASS_TAKE) v.to_half = w->s->rest.format[0] == GL_RGBA16F;
     if (pass == PASS_LAY) v.to_half = w->frame->half_output;
-    v.half = (pass == PASS_DRAW || pass == PASS_LAY) && w->s->layout.half;
     if (pass != PASS_DRAW) return v;
     v.iris = job->iris->shape.kind;
     v.fringe = job->iris->shape.fringe != 0 && w->frame->colors > 2;
@@ -260,9 +283,11 @@ static void set_picture(const work *w, const GLint *u) {
     f->Uniform1f(u[S_THRESHOLD], w->limits.threshold * w->frame->gain);
     f->Uniform1f(u[S_LARGEST], w->limits.largest);
     f->Uniform2f(u[S_MOST], (float)w->limits.max_sprites, (float)w->limits.max_area);
-    f->Uniform2i(u[S_TARGET_SIZE], s->target_width, s->target_height);
-    f->Uniform2i(u[S_SECOND], l->full && l->beside ? s->target_width : 0, l->full && !l->beside ? s->target_height : 0);
-    f->Uniform2f(u[S_SCREEN], (float)s->sums.width, (float)s->sums.height);
+    f->Uniform1i(u[S_FIRST_LEVEL], l->first);
+    f->Uniform1i(u[S_LEVELS], l->levels);
+    f->Uniform4iv(u[S_PLACE], BOKEH_LEVELS, s->place[0]);
+    f->Uniform2i(u[S_SECOND], s->second[0], s->second[1]);
+    f->Uniform2f(u[S_SCREEN], (float)s->light.width, (float)s->light.height);
 }
 
 static void set_iris(const work *w, const GLint *u) {
@@ -294,9 +319,9 @@ static const GLint *begin(work *w, sprite_pass pass, GLuint framebuffer, int wid
     gl_bind(f, UNIT_COLOR, w->color);
     gl_bind(f, UNIT_COC, pass == PASS_FIND ? w->frame->map : w->s->pixels.texture[0]);
     gl_bind(f, UNIT_CANDIDATE, pass == PASS_FIND ? 0 : w->s->pixels.texture[1]);
-    gl_bind(f, UNIT_BUDGET, pass == PASS_LAY ? w->s->sums.texture[1] : w->budget);
+    gl_bind(f, UNIT_BUDGET, pass == PASS_LAY ? w->s->light.texture[1] : w->budget);
     gl_bind(f, UNIT_TABLE, w->s->table);
-    gl_bind(f, UNIT_SUM, pass == PASS_LAY ? w->s->sums.texture[0] : 0);
+    gl_bind(f, UNIT_SUM, pass == PASS_LAY ? w->s->light.texture[0] : 0);
     if (v.depth) gl_set_lens(f, program->uniform, w->frame);
     set_picture(w, program->uniform);
     f->BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
@@ -318,12 +343,12 @@ static void pass(work *w, sprite_pass which, GLuint framebuffer) {
 /* Sums by blocks, up to the last level. */
 static void count(work *w, bool final) {
     const gl_sprites *s = w->s;
-    const GLint *u = begin(w, PASS_COUNT, s->level[0].framebuffer, s->level[0].width, s->level[0].height);
+    const GLint *u = begin(w, PASS_COUNT, s->sums[0].framebuffer, s->sums[0].width, s->sums[0].height);
     if (!u) return;
     w->gl->f.Uniform1i(u[S_FINAL], final);
     draw(w);
-    for (int i = 1; i < s->levels; i++) {
-        const gl_target *from = &s->level[i - 1], *to = &s->level[i];
+    for (int i = 1; i < s->sum_levels; i++) {
+        const gl_target *from = &s->sums[i - 1], *to = &s->sums[i];
         u = begin(w, PASS_SUM, to->framebuffer, to->width, to->height);
         if (!u) return;
         w->gl->f.Uniform2i(u[S_SUMMED], from->width, from->height);
@@ -338,7 +363,7 @@ enum { TESTS = 10 };
 static void find_threshold(work *w) {
     static const float start[4] = {0, BOKEH_BINS, 0, 0};
     const gl_functions *f = &w->gl->f;
-    const gl_target *last = &w->s->level[w->s->levels - 1];
+    const gl_target *last = &w->s->sums[w->s->sum_levels - 1];
     f->BindFramebuffer(GL_DRAW_FRAMEBUFFER, w->s->budget[0].framebuffer);
     f->ClearBufferfv(GL_COLOR, 0, start);
     for (int i = 0; i < TESTS; i++) {
@@ -362,7 +387,7 @@ static void draw_sprites(work *w) {
     const gl_functions *f = &w->gl->f;
     const sprite_layout *l = &w->s->layout;
     const int rows = l->width < MOST_INSTANCES ? MOST_INSTANCES / l->width : 1;
-    const GLint *u = begin(w, PASS_DRAW, w->s->sums.framebuffer, w->s->sums.width, w->s->sums.height);
+    const GLint *u = begin(w, PASS_DRAW, w->s->light.framebuffer, w->s->light.width, w->s->light.height);
     if (!u) return;
     set_iris(w, u);
     f->ClearBufferfv(GL_COLOR, 0, none);
@@ -415,7 +440,7 @@ ddof_status gl_sprites_count(ddof_gl *gl, const gl_frame *frame) {
     float sums[SPRITE_BLOCK * SPRITE_BLOCK * 4];
     double sum[4] = {0, 0, 0, 0};
     work w = work_of(gl, frame);
-    const gl_target *last = &w.s->level[w.s->levels - 1];
+    const gl_target *last = &w.s->sums[w.s->sum_levels - 1];
     count(&w, true);
     if (w.status != DDOF_OK) return w.status;
     gl->f.BindFramebuffer(GL_READ_FRAMEBUFFER, last->framebuffer);

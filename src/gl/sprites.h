@@ -9,23 +9,25 @@
 #include "programs.h"
 #include "surfaces.h"
 
-enum { SPRITE_BLOCK = 16, SPRITE_LEVELS = 4 /* of sums by blocks of 16 x 16 */ };
+enum { SPRITE_BLOCK = 16, SPRITE_SUMS = 4 /* levels of sums by blocks of 16 x 16 */ };
 
 typedef struct sprite_layout {
     int width, height;
     ddof_surface surface; /* of the picture without highlights */
-    bool full, half, beside;
-    bool blends; /* floats of 32 bits are added up; else of 16 */
+    bool full;
+    int first, levels; /* of the pictures that sprites are added up in (bokeh.h) */
+    bool blends;       /* floats of 32 bits are added up; else of 16 */
 } sprite_layout;
 
 typedef struct gl_sprites {
     sprite_layout layout;
-    int target_width, target_height; /* of one picture of sprites; FULL has two, one below or beside the other */
-    gl_target pixels;                /* CoC, and of HIGHLIGHTS the candidates */
-    gl_target rest;                  /* HIGHLIGHTS: the picture without their light, then diffused */
-    gl_target sums;                  /* of the sprites, and of FULL of what they weigh */
-    gl_target level[SPRITE_LEVELS];  /* sums by blocks */
-    int levels;
+    gl_target pixels; /* CoC, and of HIGHLIGHTS the candidates */
+    gl_target rest;   /* HIGHLIGHTS: the picture without their light, then diffused */
+    gl_target light;  /* sums of the sprites, and of FULL of what they weigh */
+    GLint place[BOKEH_LEVELS][4]; /* of the levels in it, width and height */
+    GLint second[2];              /* where those of the near sprites begin */
+    gl_target sums[SPRITE_SUMS];  /* by blocks */
+    int sum_levels;
     gl_target budget[2]; /* the search for the threshold, in turn */
     GLuint table;        /* of the iris */
     iris_shape shape;    /* that it holds */
