@@ -4,6 +4,8 @@
 /* A ddof_gl comes and goes, and GL's complaints become sentences. */
 #include "device.h"
 
+#include "../cpu/engine.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -126,6 +128,9 @@ ddof_status gl_device_create(ddof_gl **out, const ddof_gl_config *config, ddof_c
     gl->owner = owner ? owner : &gl->shell;
     gl->shell.config.log = config->log;
     gl->shell.config.log_user = config->log_user;
+    gl->shell.config.allocate = config->allocate;
+    gl->shell.config.memory_user = config->memory_user;
+    gl->shell.kernels = cpu_kernels_pick(0);
     *out = gl;
     ddof_status status = set_up(gl, text, size);
     if (status != DDOF_OK) gl_device_destroy(out);
@@ -145,6 +150,7 @@ void gl_device_destroy(ddof_gl **out) {
         gl->f.DeleteSamplers(1, &gl->sampler);
         gl->f.DeleteVertexArrays(1, &gl->vertex_array);
     }
+    if (gl->shell.iris) gl->config.release(gl->config.memory_user, gl->shell.iris);
     gl->config.release(gl->config.memory_user, gl);
 }
 
