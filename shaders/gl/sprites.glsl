@@ -76,6 +76,7 @@ float taken(vec2 c, float above) {
 #if FULL
     return bokeh_share(c.x);
 #else
-    return abs(c.x) <= largest && c.y > above ? bokeh_share(c.x) * (c.y - above) / c.y : 0.0;
+    float left = above / c.y;
+    return abs(c.x) <= largest && left < 1.0 ? bokeh_share(c.x) * (1.0 - left * left) : 0.0;
 #endif
 }
