@@ -230,6 +230,7 @@ static ddof_status work_now(ddof_context *ctx, gl_backend *b, frame_job *job, st
     frame.half_output = format == GL_RGBA16F;
     frame.colors = color->alpha == DDOF_ALPHA_STRAIGHT ? color->channels - 1 : color->channels < 3 ? color->channels : 3;
     frame.gain = s->gain;
+    frame.holes = job->nonfinite_pixels > 0;
     for (GLuint i = 0; i < GL_UNITS; i++)
         b->gl->f.BindSampler(i, b->gl->sampler);
     b->gl->f.BindVertexArray(b->gl->vertex_array);

@@ -41,6 +41,7 @@ typedef struct gl_frame {
     GLuint color, map; /* map: depth or CoC */
     GLuint output;
     bool alpha, half_output;
+    bool holes; /* there may be some */
     int colors; /* of the channels, how many are colour */
     float gain; /* what the colours are multiplied by */
 } gl_frame;

@@ -191,7 +191,7 @@ ddof_status ddof_gl_surface_bytes(int width, int height, const ddof_settings *se
     gl_surfaces s;
     gl_sprites sprites = {.bytes = 0};
     gl_surfaces_plan(&s, &layout);
-    if (job.highlights || job.method == DDOF_METHOD_SCATTER) gl_sprites_plan(&sprites, &job, 1 << 30, true);
+    if (job.highlights || job.method == DDOF_METHOD_SCATTER) gl_sprites_plan(&sprites, &job, true, 1 << 30, true);
     *bytes = (job.method == DDOF_METHOD_SCATTER ? 0 : s.bytes) + sprites.bytes;
     return DDOF_OK;
 }
@@ -267,6 +267,7 @@ ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_s
                                .output = frame->output.name,
                                .alpha = frame->channels != 3,
                                .half_output = frame->output.format == GL_RGBA16F,
+                               .holes = true,
                                .colors = 3,
                                .gain = 1};
         status = job.iris ? gl_sprites_render(gl, &work) : gl_solve(gl, &work);

@@ -3,6 +3,7 @@
 
 /* The passes of the sprites, in order:
  *     find    the CoC of every pixel; HIGHLIGHTS: which are candidates
+ *     fill    FULL: holes, from around
  *     budget  HIGHLIGHTS: the threshold that leaves few enough of them
  *     take    HIGHLIGHTS: their light is taken out, and the rest diffused (solver.c)
  *     draw    a quad for every pixel, added up
@@ -16,11 +17,24 @@
 #include "device.h"
 #include "shaders.h"
 
-typedef enum sprite_pass { PASS_FIND, PASS_COUNT, PASS_SUM, PASS_TEST, PASS_TAKE, PASS_DRAW, PASS_LAY } sprite_pass;
+typedef enum sprite_pass {
+    PASS_FIND,
+    PASS_COUNT,
+    PASS_SUM,
+    PASS_TEST,
+    PASS_TAKE,
+    PASS_DRAW,
+    PASS_LAY,
+    PASS_PUSH,
+    PASS_PULL,
+    PASS_TOP
+} sprite_pass;
 
 static const char *const pass_file[] = {"gl/sprite_find.glsl",   "gl/sprite_budget.glsl", "gl/sprite_budget.glsl",
                                         "gl/sprite_budget.glsl", "gl/sprite_take.glsl",   "gl/sprite_draw.glsl",
-                                        "gl/sprite_lay.glsl"};
+                                        "gl/sprite_lay.glsl",    "gl/sprite_fill.glsl",   "gl/sprite_fill.glsl",
+                                        "gl/sprite_fill.glsl"};
+static const int pass_step[] = {0, 0, 1, 2, 0, 0, 0, 0, 1, 2};
 
 enum {
     S_SIZE = U_LENS_LIMIT + 1,
@@ -55,172 +69,36 @@ static const char *const uniform_name[S_UNIFORMS] = {
     "iris_turn",
 };
 
-enum { UNIT_CANDIDATE = 2, UNIT_BUDGET, UNIT_TABLE, UNIT_SUM, UNIT_WEIGHT = UNIT_BUDGET /* of the last pass, which has no other */ };
+enum { UNIT_CANDIDATE = 2, UNIT_BUDGET, UNIT_TABLE = SPRITE_UNIT_TABLE, UNIT_SUM };
+enum { UNIT_WEIGHT = UNIT_BUDGET }; /* of the last pass */
+enum { UNIT_ABOVE = 2, UNIT_ABOVE_KNOWN, UNIT_FILLED, UNIT_FILLED_COC }; /* of those that fill */
 
-static const char *const sampler_name[GL_UNITS] = {"color_map",  "coc_map",   "candidate_map",
-                                                   "budget_map", "table_map", "sum_map"};
-
-/* ---- textures */
-
-enum { TABLE_WIDTH = 1024, ROW_DIAMETER = 2, ROW_EDGE, ROW_CATS, ROW_TEXEL, TABLE_HEIGHT = ROW_TEXEL + IRIS_TEXELS / TABLE_WIDTH + 1 };
-
-static size_t texel_bytes(GLenum format) {
-    switch (format) {
-    case GL_RGBA32F: return 16;
-    case GL_RGBA16F:
-    case GL_RG32F: return 8;
-    case GL_R32F: return 4;
-    case GL_R16F: return 2;
-    default: return 0;
-    }
-}
-
-static gl_target planned(gl_sprites *s, int width, int height, GLenum format, GLenum second) {
-    s->bytes += (size_t)width * (size_t)height * (texel_bytes(format) + texel_bytes(second));
-    return (gl_target){.width = width, .height = height, .format = {format, second}};
-}
-
-static sprite_layout layout_of(const frame_job *job, bool blends) {
-    const bokeh_limits limits = bokeh_limits_of(job);
-    sprite_layout l;
-    memset(&l, 0, sizeof l); /* layouts are compared by their bytes */
-    l.width = job->frame->color.width;
-    l.height = job->frame->color.height;
-    l.surface = job->settings->surface == DDOF_SURFACE_RGBA32F ? DDOF_SURFACE_RGBA32F : DDOF_SURFACE_RGBA16F;
-    l.full = job->method == DDOF_METHOD_SCATTER;
-    l.first = limits.half;
-    l.levels = bokeh_level(iris_node(limits.largest), limits.half) + 1;
-    l.blends = blends;
-    return l;
-}
-
-/* The levels in one target: the first, below it the others in a row, below them the same again for the near sprites of FULL;
- * `beside`: all that turned on its side. */
-static gl_target place_levels(gl_sprites *s, bool beside) {
-    const sprite_layout *l = &s->layout;
-    int along = 0, across = 0;
-    for (int i = l->first; i < l->levels; i++) {
-        const int size[2] = {(l->width + (1 << i) - 1) >> i, (l->height + (1 << i) - 1) >> i};
-        GLint *place = s->place[i];
-        place[beside] = i == l->first ? 0 : across;
-        place[!beside] = i == l->first ? 0 : s->place[l->first][3 - beside];
-        place[2] = size[0];
-        place[3] = size[1];
-        if (i > l->first) across += size[beside];
-        if (place[!beside] + size[!beside] > along) along = place[!beside] + size[!beside];
-    }
-    if (s->place[l->first][2 + beside] > across) across = s->place[l->first][2 + beside];
-    s->second[beside] = 0;
-    s->second[!beside] = l->full ? along : 0;
-    along *= l->full ? 2 : 1;
-    return (gl_target){.width = beside ? along : across, .height = beside ? across : along};
-}
-
-void gl_sprites_plan(gl_sprites *s, const frame_job *job, int max_size, bool blends) {
-    const sprite_layout l = layout_of(job, blends);
-    const GLenum color = l.surface == DDOF_SURFACE_RGBA32F ? GL_RGBA32F : GL_RGBA16F;
-    const gl_programs programs = s->programs;
-    memset(s, 0, sizeof *s);
-    s->programs = programs;
-    s->layout = l;
-    s->pixels = planned(s, l.width, l.height, GL_R32F, l.full ? 0 : GL_RG32F);
-    if (!l.full) s->rest = planned(s, l.width, l.height, color, 0);
-    gl_target light = place_levels(s, false);
-    if (light.height > max_size) light = place_levels(s, true);
-    s->light = planned(s, light.width, light.height, blends ? GL_RGBA32F : GL_RGBA16F, !l.full ? 0 : blends ? GL_R32F : GL_R16F);
-    int w = l.width, h = l.height;
-    do {
-        w = (w + SPRITE_BLOCK - 1) / SPRITE_BLOCK;
-        h = (h + SPRITE_BLOCK - 1) / SPRITE_BLOCK;
-        s->sums[s->sum_levels++] = planned(s, w, h, GL_RGBA32F, 0);
-    } while ((w > SPRITE_BLOCK || h > SPRITE_BLOCK) && s->sum_levels < SPRITE_SUMS);
-    for (int i = 0; i < 2; i++) s->budget[i] = planned(s, 1, 1, GL_RGBA32F, 0);
-    s->bytes += (size_t)TABLE_WIDTH * TABLE_HEIGHT * texel_bytes(GL_R32F);
-}
-
-void gl_sprites_delete(ddof_gl *gl) {
-    gl_sprites *s = &gl->sprites;
-    const gl_programs programs = s->programs;
-    gl_target_delete(gl, &s->pixels);
-    gl_target_delete(gl, &s->rest);
-    gl_target_delete(gl, &s->light);
-    for (int i = 0; i < s->sum_levels; i++) gl_target_delete(gl, &s->sums[i]);
-    for (int i = 0; i < 2; i++) gl_target_delete(gl, &s->budget[i]);
-    gl->f.DeleteTextures(1, &s->table);
-    memset(s, 0, sizeof *s);
-    s->programs = programs;
-}
-
-static ddof_status make(ddof_gl *gl, const frame_job *job) {
-    gl_sprites *s = &gl->sprites;
-    const sprite_layout layout = layout_of(job, gl->blends);
-    if (memcmp(&s->layout, &layout, sizeof layout) == 0) return DDOF_OK;
-    gl_sprites_delete(gl);
-    gl_sprites_plan(s, job, gl->max_size, gl->blends);
-    if (s->light.width > gl->max_size || s->light.height > gl->max_size) {
-        const int width = s->light.width, height = s->light.height;
-        gl_sprites_delete(gl);
-        return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
-                            "the sprites need a surface of %d x %d, and this GL (%s) allows %d: let sprites.resolution be half",
-                            width, height, gl->renderer, gl->max_size);
-    }
-    gl->f.ActiveTexture(GL_TEXTURE0);
-    ddof_status status = gl_target_make(gl, &s->pixels);
-    if (status == DDOF_OK && !layout.full) status = gl_target_make(gl, &s->rest);
-    if (status == DDOF_OK) status = gl_target_make(gl, &s->light);
-    for (int i = 0; i < s->sum_levels && status == DDOF_OK; i++) status = gl_target_make(gl, &s->sums[i]);
-    for (int i = 0; i < 2 && status == DDOF_OK; i++) status = gl_target_make(gl, &s->budget[i]);
-    if (status == DDOF_OK) {
-        s->table = gl_texture_make(gl, GL_R32F, TABLE_WIDTH, TABLE_HEIGHT);
-        status = gl_device_check(gl);
-    }
-    if (status != DDOF_OK) gl_sprites_delete(gl);
-    return status;
-}
-
-static void fill_row(const gl_functions *f, int row, int count, const float *values) {
-    f->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, count, 1, GL_RED, GL_FLOAT, values);
-}
-
-/* As iris_make(): an image is read anew each time. */
-static void fill_table(ddof_gl *gl, const iris *from) {
-    gl_sprites *s = &gl->sprites;
-    const gl_functions *f = &gl->f;
-    float edge[BOKEH_BINS + 1];
-    const bool image = from->shape.kind == DDOF_IRIS_IMAGE, same = s->filled && !memcmp(&s->shape, &from->shape, sizeof s->shape);
-    if (same && !image) return;
-    for (int bin = 0; bin <= BOKEH_BINS; bin++) edge[bin] = bokeh_edge(bin, 1);
-    gl_bind(f, UNIT_TABLE, s->table);
-    for (int half = 0; half < 2; half++) fill_row(f, half, IRIS_NODES, from->inverse_sum[half]);
-    fill_row(f, ROW_DIAMETER, IRIS_NODES, from->diameter);
-    fill_row(f, ROW_EDGE, BOKEH_BINS + 1, edge);
-    fill_row(f, ROW_CATS, IRIS_CATS, from->cats_gain);
-    for (int i = 0; i < IRIS_TEXELS && image; i += TABLE_WIDTH)
-        fill_row(f, ROW_TEXEL + i / TABLE_WIDTH, IRIS_TEXELS - i < TABLE_WIDTH ? IRIS_TEXELS - i : TABLE_WIDTH, from->texel + i);
-    s->shape = from->shape;
-    s->filled = true;
-}
+static const char *const sampler_name[GL_UNITS] = {"color_map", "coc_map", "candidate_map", "budget_map", "table_map", "sum_map"};
+static const char *const lay_sampler_name[GL_UNITS] = {"color_map", "coc_map", "candidate_map", "weight_map", "table_map", "sum_map"};
+static const char *const fill_sampler_name[GL_UNITS] = {"color_map",       "coc_map",    "above_map",
+                                                        "above_known_map", "filled_map", "filled_coc_map"};
 
 /* ---- programs */
 
 typedef struct variant {
     sprite_pass pass;
     int depth, iris; /* as in gl_variant; iris: ddof_iris_shape */
-    bool full, alpha, to_half, fringe;
+    bool full, alpha, to_half, fringe, picture; /* picture: of the passes that fill */
 } variant;
 
 static const gl_program *program_of(ddof_gl *gl, const variant *v, ddof_status *status) {
     gl_programs *list = &gl->sprites.programs;
-    const unsigned key = (unsigned)v->pass | (unsigned)v->depth << 3 | (unsigned)v->iris << 6 | (unsigned)v->full << 8 |
-                         (unsigned)v->alpha << 9 | (unsigned)v->to_half << 10 | (unsigned)v->fringe << 11;
+    const unsigned key = (unsigned)v->pass | (unsigned)v->depth << 4 | (unsigned)v->iris << 7 | (unsigned)v->full << 9 |
+                         (unsigned)v->alpha << 10 | (unsigned)v->to_half << 11 | (unsigned)v->fringe << 12 |
+                         (unsigned)v->picture << 13;
     const gl_program *found = gl_program_find(list, key);
     const bool draws = v->pass == PASS_DRAW;
     char defines[256];
     if (found) return found;
     snprintf(defines, sizeof defines,
              "#define DEPTH %d\n#define IRIS %d\n#define FULL %d\n#define ALPHA %d\n#define TO_HALF %d\n"
-             "#define FRINGE %d\n#define STEP %d\n",
-             v->depth, v->iris, v->full, v->alpha, v->to_half, v->fringe, (int)v->pass - (int)PASS_COUNT);
+             "#define FRINGE %d\n#define PICTURE %d\n#define STEP %d\n",
+             v->depth, v->iris, v->full, v->alpha, v->to_half, v->fringe, v->picture, pass_step[v->pass]);
     const char *coc = shader_text("include/coc.glsl"), *bokeh = shader_text("include/bokeh.glsl");
     const char *shared = shader_text("gl/sprites.glsl"), *shape = shader_text("gl/sprite_shape.glsl");
     const char *iris_text = shader_text("include/iris.glsl");
@@ -230,14 +108,12 @@ static const gl_program *program_of(ddof_gl *gl, const variant *v, ddof_status *
                         .fragment = {defines, coc, shader_text("include/row.glsl"), shader_text("include/pack.glsl"), bokeh,
                                      shared, shape, iris_text, shader_text("gl/written.glsl"), shader_text(pass_file[v->pass])},
                         .uniforms = uniform_name,
-                        .samplers = sampler_name,
+                        .samplers = v->pass == PASS_LAY ? lay_sampler_name : v->pass > PASS_LAY ? fill_sampler_name : sampler_name,
                         .uniform_count = S_UNIFORMS,
                         .sampler_count = GL_UNITS};
     const char *const vertex[] = {defines, coc, bokeh, shared, shape, iris_text, shader_text("gl/sprite_vertex.glsl")};
     if (draws) memcpy(source.vertex, vertex, sizeof vertex);
-    const gl_program *made = gl_program_make(gl, list, key, &source, status);
-    if (made) gl->f.Uniform1i(gl->f.GetUniformLocation(made->name, "weight_map"), UNIT_WEIGHT);
-    return made;
+    return gl_program_make(gl, list, key, &source, status);
 }
 
 /* ---- passes */
@@ -247,14 +123,14 @@ typedef struct work {
     const gl_frame *frame;
     gl_sprites *s;
     bokeh_limits limits;
-    GLuint color;  /* texture that is read */
-    GLuint budget; /* likewise */
+    GLuint color, coc, budget; /* textures that are read */
+    int fill;                  /* level that is filled */
     ddof_status status;
 } work;
 
 static work work_of(ddof_gl *gl, const gl_frame *frame) {
     gl_sprites *s = &gl->sprites;
-    return (work){.gl = gl, .frame = frame, .s = s, .limits = bokeh_limits_of(frame->job), .color = frame->color, .budget = s->budget[0].texture[0]};
+    return (work){.gl = gl, .frame = frame, .s = s, .limits = bokeh_limits_of(frame->job), .color = frame->color, .coc = s->pixels.texture[0], .budget = s->budget[0].texture[0]};
 }
 
 static variant variant_of(const work *w, sprite_pass pass) {
@@ -267,6 +143,8 @@ static variant variant_of(const work *w, sprite_pass pass) {
     if (pass == PASS_FIND && job->is_depth) v.depth = 1 + (int)job->curve.kind;
     if (pass == PASS_TAKE) v.to_half = w->s->rest.format[0] == GL_RGBA16F;
     if (pass == PASS_LAY) v.to_half = w->frame->half_output;
+    v.picture = (pass == PASS_PUSH && w->fill == 1) || (pass == PASS_PULL && w->fill == 0);
+    if (pass == PASS_PULL && v.picture) v.to_half = w->s->filled_to[0].format[0] == GL_RGBA16F;
     if (pass != PASS_DRAW) return v;
     v.iris = job->iris->shape.kind;
     v.fringe = job->iris->shape.fringe != 0 && w->frame->colors > 2;
@@ -317,9 +195,9 @@ static const GLint *begin(work *w, sprite_pass pass, GLuint framebuffer, int wid
     if (!program) return NULL;
     f->UseProgram(program->name);
     gl_bind(f, UNIT_COLOR, w->color);
-    gl_bind(f, UNIT_COC, pass == PASS_FIND ? w->frame->map : w->s->pixels.texture[0]);
+    gl_bind(f, UNIT_COC, pass == PASS_FIND ? w->frame->map : w->coc);
     gl_bind(f, UNIT_CANDIDATE, pass == PASS_FIND ? 0 : w->s->pixels.texture[1]);
-    gl_bind(f, UNIT_BUDGET, pass == PASS_LAY ? w->s->light.texture[1] : w->budget);
+    gl_bind(f, pass == PASS_LAY ? UNIT_WEIGHT : UNIT_BUDGET, pass == PASS_LAY ? w->s->light.texture[1] : w->budget);
     gl_bind(f, UNIT_TABLE, w->s->table);
     gl_bind(f, UNIT_SUM, pass == PASS_LAY ? w->s->light.texture[0] : 0);
     if (v.depth) gl_set_lens(f, program->uniform, w->frame);
@@ -336,6 +214,42 @@ static void draw(work *w) {
 
 static void pass(work *w, sprite_pass which, GLuint framebuffer) {
     if (begin(w, which, framebuffer, w->s->layout.width, w->s->layout.height)) draw(w);
+}
+
+/* ---- holes */
+
+/* A level is `from` sums and weights of what is known there, and filled `to` what it lacks. Of the picture the first are its colour
+ * and CoC. */
+static void fill_level(work *w, sprite_pass which, const gl_target *read, const gl_target *to, const gl_target *above) {
+    const gl_functions *f = &w->gl->f;
+    const gl_sprites *s = w->s;
+    const GLint *u = begin(w, which, to->framebuffer, to->width, to->height);
+    if (!u) return;
+    if (read != &s->pixels) {
+        gl_bind(f, UNIT_COLOR, read->texture[0]);
+        gl_bind(f, UNIT_COC, read->texture[1]);
+    }
+    f->Uniform2i(u[S_SUMMED], read->width, read->height);
+    if (above) {
+        f->Uniform2i(u[S_SUMMED], above->width, above->height);
+        gl_bind(f, UNIT_ABOVE, above->texture[0]);
+        gl_bind(f, UNIT_ABOVE_KNOWN, above->texture[1]);
+        gl_bind(f, UNIT_FILLED, s->filled_to[w->fill + 1].texture[0]);
+        gl_bind(f, UNIT_FILLED_COC, s->filled_to[w->fill + 1].texture[1]);
+    }
+    draw(w);
+}
+
+static void fill_holes(work *w) {
+    gl_sprites *s = w->s;
+    for (w->fill = 1; w->fill <= s->fills; w->fill++)
+        fill_level(w, PASS_PUSH, w->fill == 1 ? &s->pixels : &s->filled_from[w->fill - 1], &s->filled_from[w->fill], NULL);
+    w->fill = s->fills;
+    fill_level(w, PASS_TOP, &s->filled_from[s->fills], &s->filled_to[s->fills], NULL);
+    for (w->fill = s->fills - 1; w->fill >= 0; w->fill--)
+        fill_level(w, PASS_PULL, w->fill ? &s->filled_from[w->fill] : &s->pixels, &s->filled_to[w->fill], &s->filled_from[w->fill + 1]);
+    w->color = s->filled_to[0].texture[0];
+    w->coc = s->filled_to[0].texture[1];
 }
 
 /* ---- budget */
@@ -420,11 +334,12 @@ static ddof_status diffuse_rest(ddof_gl *gl, const gl_frame *frame) {
 }
 
 ddof_status gl_sprites_render(ddof_gl *gl, const gl_frame *frame) {
-    ddof_status status = make(gl, frame->job);
+    ddof_status status = gl_sprites_make(gl, frame->job, frame->holes);
     if (status != DDOF_OK) return status;
-    fill_table(gl, frame->job->iris);
+    gl_sprites_fill_table(gl, frame->job->iris);
     work w = work_of(gl, frame);
     pass(&w, PASS_FIND, w.s->pixels.framebuffer);
+    if (w.s->layout.fills) fill_holes(&w);
     if (frame->job->highlights) {
         find_threshold(&w);
         pass(&w, PASS_TAKE, w.s->rest.framebuffer);
@@ -441,6 +356,7 @@ ddof_status gl_sprites_count(ddof_gl *gl, const gl_frame *frame) {
     double sum[4] = {0, 0, 0, 0};
     work w = work_of(gl, frame);
     const gl_target *last = &w.s->sums[w.s->sum_levels - 1];
+    if (w.s->layout.fills) w.color = w.s->filled_to[0].texture[0], w.coc = w.s->filled_to[0].texture[1];
     count(&w, true);
     if (w.status != DDOF_OK) return w.status;
     gl->f.BindFramebuffer(GL_READ_FRAMEBUFFER, last->framebuffer);

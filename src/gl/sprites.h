@@ -9,12 +9,14 @@
 #include "programs.h"
 #include "surfaces.h"
 
-enum { SPRITE_BLOCK = 16, SPRITE_SUMS = 4 /* levels of sums by blocks of 16 x 16 */ };
+enum { SPRITE_BLOCK = 16, SPRITE_SUMS = 4 /* levels of sums by blocks of 16 x 16 */, SPRITE_FILLS = 17 };
+enum { SPRITE_TARGETS = 3 + SPRITE_SUMS + 2 + 2 * SPRITE_FILLS };
+enum { SPRITE_UNIT_TABLE = 4 }; /* texture unit of the table */
 
 typedef struct sprite_layout {
     int width, height;
     ddof_surface surface; /* of the picture without highlights */
-    bool full;
+    bool full, fills; /* fills: holes, of FULL */
     int first, levels; /* of the pictures that sprites are added up in (bokeh.h) */
     bool blends;       /* floats of 32 bits are added up; else of 16 */
 } sprite_layout;
@@ -29,6 +31,8 @@ typedef struct gl_sprites {
     gl_target sums[SPRITE_SUMS];  /* by blocks */
     int sum_levels;
     gl_target budget[2]; /* the search for the threshold, in turn */
+    gl_target filled_from[SPRITE_FILLS], filled_to[SPRITE_FILLS]; /* from level 1 on, and from the picture on */
+    int fills;           /* the last level */
     GLuint table;        /* of the iris */
     iris_shape shape;    /* that it holds */
     bool filled;
@@ -39,8 +43,11 @@ typedef struct gl_sprites {
 struct ddof_gl;
 struct gl_frame;
 
-/* Plans the surfaces; needs no GL. max_size: of a texture. */
-void gl_sprites_plan(gl_sprites *s, const frame_job *job, int max_size, bool blends);
+/* sprite_surfaces.c. Plans the surfaces; needs no GL. holes: there may be some. max_size: of a texture. */
+void gl_sprites_plan(gl_sprites *s, const frame_job *job, bool holes, int max_size, bool blends);
+/* Makes them, unless they are there already; fills the table, unless it is. */
+ddof_status gl_sprites_make(struct ddof_gl *gl, const frame_job *job, bool holes);
+void gl_sprites_fill_table(struct ddof_gl *gl, const iris *from);
 void gl_sprites_delete(struct ddof_gl *gl);
 
 /* From frame->color to frame->output, with the diffusion in between where the job has highlights. State is the caller's to

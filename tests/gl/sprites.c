@@ -85,6 +85,7 @@ static void add_light(scene *s, int x, int y, float v) {
 static scene lights(int width, int height, int map, int count, rng *r) {
     scene s = scene_make(width, height, rng_bits(r) & 1);
     fill_color(s.color, width, height, COLOR_RANDOM, r);
+    for (int i = 0; i < width * height * 4; i++) s.color[i] *= 0.9f;
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) s.coc[(ptrdiff_t)y * width + x] = coc_of(map, x, y, width, height);
     for (int i = 0; i < count; i++) {
