@@ -202,6 +202,7 @@ static const GLint *begin(work *w, sprite_pass pass, GLuint framebuffer, int wid
     gl_bind(f, UNIT_SUM, pass == PASS_LAY ? w->s->light.texture[0] : 0);
     if (v.depth) gl_set_lens(f, program->uniform, w->frame);
     set_picture(w, program->uniform);
+    set_iris(w, program->uniform);
     f->BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
     f->Viewport(0, 0, width, height);
     return program->uniform;
@@ -303,7 +304,6 @@ static void draw_sprites(work *w) {
     const int rows = l->width < MOST_INSTANCES ? MOST_INSTANCES / l->width : 1;
     const GLint *u = begin(w, PASS_DRAW, w->s->light.framebuffer, w->s->light.width, w->s->light.height);
     if (!u) return;
-    set_iris(w, u);
     f->ClearBufferfv(GL_COLOR, 0, none);
     if (l->full) f->ClearBufferfv(GL_COLOR, 1, none);
     f->Enable(GL_BLEND);
