@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The ddof authors
 // SPDX-License-Identifier: MIT
 
-// The search for the raised threshold, by halving: bin `low` to `high`, one of which it is. Three passes in turn: candidates are
+// The search for the raised threshold, by halving: of two bins, and those between, it is the edge of one. Three passes in turn: candidates are
 // counted by blocks of BLOCK x BLOCK pixels, the sums are summed until one block is left, and what it says halves the range. Sums
 // of the few of a block are exact, and need no blending.
 const int BLOCK = 16;
 uniform ivec2 summed; // how many sums there are
 uniform vec2 most;    // sprites, and their area
-uniform bool final;   // the threshold is known: count what stays and what does not
+uniform bool final;   // the threshold is known: count what is above it
 
 layout(location = 0) out highp vec4 sum_target;
 
@@ -31,15 +31,13 @@ float area_of(float coc) {
     return floor(across * across * 16.0) * 0.0625;
 }
 
-// Those in or above the bin, and their area; all; those too large. `final`: the first two are those above the threshold, and
-// those in or above the bin.
+// Those above the edge, and their area; all; those too large.
 vec4 count_of(vec2 c, float edge) {
     if (c.x == 0.0) return vec4(0.0);
 #if !FULL
     if (abs(c.x) > largest) return vec4(0.0, 0.0, 0.0, 1.0);
 #endif
-    if (final) return vec4(c.y > edge || FULL != 0, c.y >= edge, 1.0, 0.0);
-    return c.y >= edge ? vec4(1.0, area_of(c.x), 1.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
+    return c.y > edge || FULL != 0 ? vec4(1.0, area_of(c.x), 1.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
 }
 
 void main() {

@@ -4,12 +4,14 @@
 // The CoC of every pixel, and which are candidates: bright ones, with the CoC of the brightest pixel around.
 layout(location = 0) out highp float coc_target;
 
+// FULL: limited.
 float coc_of(ivec2 p) {
     float d = texelFetch(coc_map, p, 0).x;
 #if DEPTH
     d = depth_coc(d, vec2(p) + 0.5);
 #endif
-    return is_finite(d) ? clamp(d, -COC_LIMIT, COC_LIMIT) : NO_COC;
+    float most = FULL != 0 ? largest : COC_LIMIT;
+    return is_finite(d) ? clamp(d, -most, most) : NO_COC;
 }
 
 #if FULL

@@ -3,7 +3,7 @@
 
 // What iris.glsl asks for, and how far a sprite reaches.
 const int iris_kind = IRIS; // of the passes that draw
-uniform float iris_blades, iris_curvature, iris_edge, iris_squeeze, iris_aspect, iris_fringe;
+uniform float iris_blades, iris_curvature, iris_edge, iris_squeeze, iris_aspect, iris_fringe, iris_reach;
 uniform vec2 iris_turn;
 
 float iris_texel(int level, ivec2 at) {
@@ -16,8 +16,8 @@ float diameter_of(float node, int level) {
     return table(DIAMETER, int(node)) * (level > 0 ? 0.5 : 1.0);
 }
 
-// Pixels of the level to the left and right of that of its middle, and above and below its middle. As on the CPU: of an image
-// that is turned nothing lies beyond.
+// Pixels of the level to the left and right of that of its middle, and above and below its middle.
 vec2 sprite_reach(float diameter) {
-    return vec2(floor(diameter * 0.5) + 2.0, 0.5 * diameter * iris_aspect + 1.0 + iris_aspect);
+    float radius = 0.5 * diameter * iris_reach;
+    return vec2(floor(radius) + 2.0, radius * iris_aspect + 1.0 + iris_aspect);
 }

@@ -35,7 +35,7 @@ void main() {
     corner = ivec2(0);
     if (part <= 0.0) return;
 
-    coc = clamp(c.x, -largest, largest);
+    coc = c.x;
     float d = abs(coc), side = coc < 0.0 ? -1.0 : 1.0;
     node = vec3(node_of(d));
     level = bokeh_level(node.g, first_level > 0);
@@ -45,7 +45,8 @@ void main() {
 #endif
     node -= 64.0 * float(max(level - 1, 0)); // from level 1 on the tables of half the size serve
     cat = (vec2(p) - cats_eye.xy) * vec2(cats_eye.z, -cats_eye.z / iris_aspect);
-    int row = INVERSE_SUM + min(level, 1);
+    ivec2 at = p >> level, quarter = (p >> max(level - 1, 0)) & 1;
+    int row = INVERSE_SUM + (coc < 0.0 ? 5 : 0) + (level > 0 ? 1 + quarter.x + 2 * quarter.y : 0); // iris_sum()
     vec3 inverse = vec3(table(row, int(node.r)), table(row, int(node.g)), table(row, int(node.b)));
     vec4 x = color_texel(p);
     float gain = part * cats_gain();
@@ -55,7 +56,6 @@ void main() {
 #else
     light = vec4(x.rgb * colors * inverse * gain, 0.0);
 #endif
-    ivec2 at = p >> level, quarter = (p >> max(level - 1, 0)) & 1;
     middle = vec2(at) + (level > 0 ? vec2(quarter) * 0.5 - 0.25 : vec2(0.0));
 
     vec2 reach = sprite_reach(diameter_of(max(node.r, max(node.g, node.b)), level));

@@ -24,7 +24,7 @@ uniform ivec4 place[8]; // of a level in it, width and height
 uniform ivec2 second;   // where the near ones begin; 0: among the far ones
 
 // Rows of the table.
-const int INVERSE_SUM = 0, DIAMETER = 2, EDGE = 3, CATS_GAIN = 4, TEXEL = 5;
+const int INVERSE_SUM = 0, DIAMETER = 10, EDGE = 11, CATS_GAIN = 12, TEXEL = 13;
 
 float table(int row, int at) {
     return texelFetch(table_map, ivec2(at, row), 0).x;

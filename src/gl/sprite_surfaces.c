@@ -2,12 +2,13 @@
  * SPDX-License-Identifier: MIT */
 
 /* The textures of the sprites: which there are, how large, how many bytes. */
+#include <math.h>
 #include <string.h>
 
 #include "device.h"
 #include "sprites.h"
 
-enum { TABLE_WIDTH = 1024, ROW_DIAMETER = 2, ROW_EDGE, ROW_CATS, ROW_TEXEL, TABLE_HEIGHT = ROW_TEXEL + IRIS_TEXELS / TABLE_WIDTH + 1 };
+enum { TABLE_WIDTH = 1024, ROW_DIAMETER = IRIS_SUMS, ROW_EDGE, ROW_CATS, ROW_TEXEL, TABLE_HEIGHT = ROW_TEXEL + IRIS_TEXELS / TABLE_WIDTH + 1 };
 
 static size_t texel_bytes(GLenum format) {
     switch (format) {
@@ -158,16 +159,17 @@ static void fill_row(const gl_functions *f, int row, int count, const float *val
     f->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, count, 1, GL_RED, GL_FLOAT, values);
 }
 
-/* As iris_make(): an image is read anew each time. */
+/* An image may be another with the same shape. */
 void gl_sprites_fill_table(ddof_gl *gl, const iris *from) {
     gl_sprites *s = &gl->sprites;
     const gl_functions *f = &gl->f;
     float edge[BOKEH_BINS + 1];
     const bool image = from->shape.kind == DDOF_IRIS_IMAGE, same = s->filled && !memcmp(&s->shape, &from->shape, sizeof s->shape);
     if (same && !image) return;
-    for (int bin = 0; bin <= BOKEH_BINS; bin++) edge[bin] = bokeh_edge(bin, 1);
+    for (int bin = 0; bin < BOKEH_BINS; bin++) edge[bin] = bokeh_edge(bin, 1);
+    edge[BOKEH_BINS] = INFINITY; /* as bokeh_raise() */
     gl_bind(f, SPRITE_UNIT_TABLE, s->table);
-    for (int half = 0; half < 2; half++) fill_row(f, half, IRIS_NODES, from->inverse_sum[half]);
+    for (int i = 0; i < IRIS_SUMS; i++) fill_row(f, i, IRIS_NODES, from->inverse_sum[i]);
     fill_row(f, ROW_DIAMETER, IRIS_NODES, from->diameter);
     fill_row(f, ROW_EDGE, BOKEH_BINS + 1, edge);
     fill_row(f, ROW_CATS, IRIS_CATS, from->cats_gain);

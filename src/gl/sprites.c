@@ -57,6 +57,7 @@ enum {
     S_SQUEEZE,
     S_ASPECT,
     S_FRINGE,
+    S_REACH,
     S_TURN,
     S_UNIFORMS
 };
@@ -66,7 +67,7 @@ static const char *const uniform_name[S_UNIFORMS] = {
     "depth_linear", "depth_axis",  "lens_curve",     "lens_limit", "size",         "colors",      "threshold",   "largest",
     "summed",       "most",        "final",          "first_row",  "first_level",  "levels",      "place",       "second",
     "screen",       "cats_eye",    "iris_blades",    "iris_curvature", "iris_edge", "iris_squeeze", "iris_aspect", "iris_fringe",
-    "iris_turn",
+    "iris_reach",   "iris_turn",
 };
 
 enum { UNIT_CANDIDATE = 2, UNIT_BUDGET, UNIT_TABLE = SPRITE_UNIT_TABLE, UNIT_SUM };
@@ -183,6 +184,7 @@ static void set_iris(const work *w, const GLint *u) {
     f->Uniform1f(u[S_SQUEEZE], shape->squeeze);
     f->Uniform1f(u[S_ASPECT], shape->aspect);
     f->Uniform1f(u[S_FRINGE], shape->fringe);
+    f->Uniform1f(u[S_REACH], job->iris->reach);
     f->Uniform2f(u[S_TURN], shape->cosine, shape->sine);
 }
 
@@ -365,7 +367,7 @@ ddof_status gl_sprites_count(ddof_gl *gl, const gl_frame *frame) {
     for (int i = 0; i < last->width * last->height * 4 && status == DDOF_OK; i++) sum[i % 4] += (double)sums[i];
     frame->job->sprites = (int64_t)sum[0];
     if (!frame->job->highlights) return status;
-    frame->job->sprites_dropped = (int64_t)(sum[2] - sum[1]);
+    frame->job->sprites_dropped = (int64_t)(sum[2] - sum[0]);
     frame->job->sprites_large = (int64_t)sum[3];
     return status;
 }

@@ -46,11 +46,9 @@ static ddof_stats compare_by(const contexts *c, const ddof_frame *frame, const d
                      settings->bokeh, settings->sprites.resolution, settings->surface, (int)(i / (size_t)channels) % width,
                      (int)(i / (size_t)channels) / width, (int)(i % (size_t)channels), width, height, x, y);
     }
-    if (settings->bokeh == DDOF_BOKEH_HIGHLIGHTS) {
-        assert_int_equal(b.sprites, a.sprites);
-        assert_int_equal(b.sprites_dropped, a.sprites_dropped);
-        assert_int_equal(b.sprites_large, a.sprites_large);
-    }
+    assert_int_equal(b.sprites, a.sprites);
+    assert_int_equal(b.sprites_dropped, a.sprites_dropped);
+    assert_int_equal(b.sprites_large, a.sprites_large);
     assert_int_equal(b.nonfinite_pixels, a.nonfinite_pixels);
     fenced_free(want);
     return b;
