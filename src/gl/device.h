@@ -64,7 +64,8 @@ ddof_status gl_check_solver(ddof_context *owner, const ddof_settings *settings);
 ddof_status gl_solve(ddof_gl *gl, const gl_frame *frame);
 ddof_status gl_coc(ddof_gl *gl, const gl_frame *frame);
 
-/* What passes have in common. gl_set_lens: the first four of gl_uniform. gl_attach_output: false: GL cannot draw to that texture. */
+/* What passes have in common. gl_set_lens: the first four of gl_uniform. gl_attach_output: false: GL cannot draw to
+ * that texture. */
 void gl_set_lens(const gl_functions *f, const GLint *uniform, const gl_frame *frame);
 void gl_bind(const gl_functions *f, GLuint unit, GLuint texture);
 bool gl_attach_output(ddof_gl *gl, GLuint texture);
