@@ -25,10 +25,12 @@ static inline void store(float *p, pixel v) {
 /* The pixels under work; rows of values have room for a vector more. */
 typedef struct chunk {
     int count;
+    const float *rgba;             /* their colours */
     float own[GATHER_CHUNK + PAD]; /* |CoC| */
     float step[GATHER_CHUNK + PAD];
     int taps[GATHER_CHUNK];
-    float sum[4 * GATHER_CHUNK], weight[GATHER_CHUNK + PAD];
+    float sum[4 * GATHER_CHUNK];   /* of colours less the pixel's own: a constant keeps its bits */
+    float weight[GATHER_CHUNK + PAD];
 } chunk;
 
 /* A tap, the same for all pixels of a chunk. */
@@ -89,15 +91,15 @@ static void inside(const filled_picture *p, int x, int dx, int count, int *first
     *last = x + dx + count > p->width ? p->width - x - dx : count;
 }
 
-/* sum += weight * rgba */
-static void add(float *sum, const float *weight, const float *rgba, ptrdiff_t count) {
+/* sum += weight * (rgba - own) */
+static void add(float *sum, const float *weight, const float *rgba, const float *own, ptrdiff_t count) {
     ptrdiff_t i = 0;
     for (; i + LANES <= count; i += LANES) {
         const vfloat w = v_load(weight + i);
 #define ADD(k)                                                                                                         \
     do {                                                                                                               \
         const ptrdiff_t at = 4 * i + LANES * (k);                                                                      \
-        v_store(sum + at, v_load(sum + at) + V_EXPAND(w, k) * v_load(rgba + at));                                      \
+        v_store(sum + at, v_load(sum + at) + V_EXPAND(w, k) * (v_load(rgba + at) - v_load(own + at)));                  \
     } while (0)
         ADD(0);
         ADD(1);
@@ -105,7 +107,7 @@ static void add(float *sum, const float *weight, const float *rgba, ptrdiff_t co
         ADD(3);
 #undef ADD
     }
-    for (; i < count; i++) store(sum + 4 * i, load(sum + 4 * i) + weight[i] * load(rgba + 4 * i));
+    for (; i < count; i++) store(sum + 4 * i, load(sum + 4 * i) + weight[i] * (load(rgba + 4 * i) - load(own + 4 * i)));
 }
 
 static void add_row(chunk *c, const filled_picture *p, const gather_line *l, const tap *t, int x, int y, int dx) {
@@ -119,7 +121,8 @@ static void add_row(chunk *c, const filled_picture *p, const gather_line *l, con
     const bool any = l->gaussian ? weigh(true, l->size, t, c->own + first, c->step + first, coc, count, weight)
                                  : weigh(false, l->size, t, c->own + first, c->step + first, coc, count, weight);
     if (!any) return;
-    add(c->sum + 4 * (ptrdiff_t)first, weight, p->rgba + 4 * at, count);
+    const ptrdiff_t begin = 4 * (ptrdiff_t)first;
+    add(c->sum + begin, weight, p->rgba + 4 * at, c->rgba + begin, count);
     for (int i = 0; i < count; i++) c->weight[first + i] += weight[i];
 }
 
@@ -140,7 +143,7 @@ static void add_taps(chunk *c, const filled_picture *p, const gather_line *l, in
 
 static void mean(const filled_picture *p, const gather_line *l, int x, int y, int count, float *rgba) {
     const float *coc = p->coc + (ptrdiff_t)p->width * y + x;
-    chunk c = {.count = count};
+    chunk c = {.count = count, .rgba = p->rgba + 4 * ((ptrdiff_t)p->width * y + x)};
     float widest = 1, sharpest = p->nearest;
     for (int i = 0; i < count; i++) {
         c.own[i] = fabsf(coc[i]);
@@ -154,7 +157,7 @@ static void mean(const filled_picture *p, const gather_line *l, int x, int y, in
         if (taps >= 0) add_taps(&c, p, l, x, y, taps, step, false);
     }
     if (sharpest < p->nearest) add_taps(&c, p, l, x, y, l->over_taps, l->over_step, true);
-    for (ptrdiff_t i = 0; i < count; i++) store(rgba + 4 * i, load(c.sum + 4 * i) / c.weight[i]);
+    for (ptrdiff_t i = 0; i < count; i++) store(rgba + 4 * i, load(c.rgba + 4 * i) + load(c.sum + 4 * i) / c.weight[i]);
 }
 
 const gather_kernels ISA(gather_kernels) = {mean};
