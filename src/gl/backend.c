@@ -130,15 +130,6 @@ static bool progress(ddof_context *ctx, gl_backend *b, int64_t rows) {
 
 /* ---- up */
 
-static GLuint make_texture(ddof_gl *gl, GLenum format, int width, int height) {
-    GLuint name = 0;
-    gl->f.GenTextures(1, &name);
-    gl->f.BindTexture(GL_TEXTURE_2D, name);
-    gl->f.TexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
-    gl->objects++;
-    return name;
-}
-
 static ddof_status make_images(ddof_context *ctx, gl_backend *b, int width, int height, GLenum format) {
     gl_images *i = &b->images;
     ddof_gl *gl = b->gl;
@@ -150,12 +141,12 @@ static ddof_status make_images(ddof_context *ctx, gl_backend *b, int width, int 
     delete_images(b);
     *i = (gl_images){.width = width, .height = height, .format = format};
     gl->f.ActiveTexture(GL_TEXTURE0);
-    i->map = make_texture(gl, GL_R32F, width, height);
+    i->map = gl_texture_make(gl, GL_R32F, width, height);
     if (format == GL_R32F) {
-        i->coc = make_texture(gl, GL_R32F, width, height);
+        i->coc = gl_texture_make(gl, GL_R32F, width, height);
     } else {
-        i->color = make_texture(gl, format, width, height);
-        i->output = make_texture(gl, format, width, height);
+        i->color = gl_texture_make(gl, format, width, height);
+        i->output = gl_texture_make(gl, format, width, height);
     }
     gl->f.GenFramebuffers(1, &i->framebuffer);
     gl->objects++;
