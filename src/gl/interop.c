@@ -244,6 +244,7 @@ ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_s
     if (gl->lost || (status = gl_device_check(gl)) != DDOF_OK)
         return context_fail(gl->owner, DDOF_ERROR_DEVICE, "the GL context (%s) was lost: make another ddof_gl",
                             gl->renderer);
+    gl->draws = 0;
     gl_state_save(gl, &state);
     gl_state_set(gl);
     status = check_textures(gl, frame);
