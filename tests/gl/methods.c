@@ -34,12 +34,13 @@ static double range_of(const scene *s) {
 /* The same of both, and what they count. */
 static void compare(ddof_context *gl, ddof_context *cpu, const scene *s, ddof_frame frame, const ddof_settings *settings, const char *what) {
     float *want = fenced(values_of(s) * sizeof *want, true);
+    const double allowed = tolerance_for(settings) * range_of(s);
     const int64_t holes = render(gl, &frame, settings).nonfinite_pixels;
     for (int c = 0; c < 4; c++) frame.output.plane[c].data = want + c;
     assert_int_equal(render(cpu, &frame, settings).nonfinite_pixels, holes);
     for (size_t p = 0; p < values_of(s) / 4; p++)
-        assert_close(s->output + 4 * p, want + 4 * p, (size_t)frame.color.channels, tolerance_for(settings) * range_of(s),
-                     "%s, %d x %d, method %d, surface %d, pixel %d", what, s->width, s->height, settings->method, settings->surface, (int)p);
+        assert_close(s->output + 4 * p, want + 4 * p, (size_t)frame.color.channels, allowed, "%s, %d x %d, method %d, surface %d, pixel %d", what,
+                     s->width, s->height, settings->method, settings->surface, (int)p);
     fenced_free(want);
 }
 
