@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../cpu/block.h"
+#include "../filled.h"
 #include "../image.h"
 #include "../staging.h"
 #include "device.h"
@@ -117,6 +119,7 @@ static void gl_trim(ddof_context *ctx) {
     if (!b->gl || b->gl->lost || !enter(ctx, b)) return;
     delete_images(b);
     gl_surfaces_delete(b->gl);
+    gl_methods_delete(b->gl);
     leave(b);
 }
 
@@ -130,15 +133,6 @@ static bool progress(ddof_context *ctx, gl_backend *b, int64_t rows) {
 
 /* ---- up */
 
-static GLuint make_texture(ddof_gl *gl, GLenum format, int width, int height) {
-    GLuint name = 0;
-    gl->f.GenTextures(1, &name);
-    gl->f.BindTexture(GL_TEXTURE_2D, name);
-    gl->f.TexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
-    gl->objects++;
-    return name;
-}
-
 static ddof_status make_images(ddof_context *ctx, gl_backend *b, int width, int height, GLenum format) {
     gl_images *i = &b->images;
     ddof_gl *gl = b->gl;
@@ -150,12 +144,12 @@ static ddof_status make_images(ddof_context *ctx, gl_backend *b, int width, int 
     delete_images(b);
     *i = (gl_images){.width = width, .height = height, .format = format};
     gl->f.ActiveTexture(GL_TEXTURE0);
-    i->map = make_texture(gl, GL_R32F, width, height);
+    i->map = gl_texture_make(gl, GL_R32F, width, height);
     if (format == GL_R32F) {
-        i->coc = make_texture(gl, GL_R32F, width, height);
+        i->coc = gl_texture_make(gl, GL_R32F, width, height);
     } else {
-        i->color = make_texture(gl, format, width, height);
-        i->output = make_texture(gl, format, width, height);
+        i->color = gl_texture_make(gl, format, width, height);
+        i->output = gl_texture_make(gl, format, width, height);
     }
     gl->f.GenFramebuffers(1, &i->framebuffer);
     gl->objects++;
@@ -223,36 +217,111 @@ static gl_frame frame_of(const gl_backend *b, frame_job *job) {
                       .map = b->images.map};
 }
 
-static ddof_status diffuse_now(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s) {
+/* What a stage does with the picture on the GPU. */
+typedef ddof_status (*gl_work)(ddof_gl *gl, const gl_frame *frame);
+
+static ddof_status work_now(ddof_context *ctx, gl_backend *b, frame_job *job, staging *s, gl_work work) {
+    const ddof_image *color = &job->frame->color;
     const GLenum format = job->settings->surface == DDOF_SURFACE_RGBA32F ? GL_RGBA32F : GL_RGBA16F;
-    ddof_status status = make_images(ctx, b, job->frame->color.width, job->frame->color.height, format);
+    ddof_status status = make_images(ctx, b, color->width, color->height, format);
     if (status == DDOF_OK) status = upload(ctx, b, job, s);
     if (status != DDOF_OK) return status;
     gl_frame frame = frame_of(b, job);
     frame.output = b->images.output;
-    frame.alpha = job->frame->color.channels == 4;
+    frame.alpha = color->channels == 4;
     frame.half_output = format == GL_RGBA16F;
+    frame.colors = color->alpha == DDOF_ALPHA_STRAIGHT ? color->channels - 1 : color->channels < 3 ? color->channels : 3;
+    frame.gain = s->gain;
     for (GLuint i = 0; i < GL_UNITS; i++)
         b->gl->f.BindSampler(i, b->gl->sampler);
     b->gl->f.BindVertexArray(b->gl->vertex_array);
     b->gl->f.Disable(GL_DITHER);
-    status = gl_solve(b->gl, &frame);
+    status = work(b->gl, &frame);
     return status == DDOF_OK ? download(ctx, b, job, s) : status;
 }
 
-static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
+static ddof_status run(ddof_context *ctx, frame_job *job, void *scratch, gl_work work) {
     gl_backend *b = ctx->device;
     staging s = staging_lay_out(job, scratch);
     ctx->progress_total = 2.0 * job->frame->color.height;
-    ddof_status status = gl_check_solver(ctx, job->settings);
-    if (status != DDOF_OK) return status;
-    status = ready(ctx, b);
-    if (status == DDOF_OK) status = diffuse_now(ctx, b, job, &s);
+    ddof_status status = job->method == DDOF_METHOD_DIFFUSION ? gl_check_solver(ctx, job->settings) : DDOF_OK;
+    if (status == DDOF_OK) status = ready(ctx, b);
+    if (status == DDOF_OK) status = work_now(ctx, b, job, &s, work);
     leave(b);
     if (ctx->cancelled) return DDOF_ERROR_CANCELLED;
     return ctx->error[0] && status == DDOF_ERROR_CANCELLED ? DDOF_ERROR_DEVICE
                                                            : status; /* lost between two callbacks */
 }
+
+static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
+    return run(ctx, job, scratch, gl_solve);
+}
+
+/* ---- gaussian and hexagon: the picture goes up as floats without holes, comes back into the same memory, and is stored */
+
+static filled_picture picture_of(const frame_job *job, arena *a) {
+    const size_t n = (size_t)job->coc_source.width * (size_t)job->coc_source.height * sizeof(float);
+    filled_picture p = {.width = job->coc_source.width, .height = job->coc_source.height};
+    p.rgba = arena_take(a, 4 * n);
+    p.coc = arena_take(a, n);
+    return p;
+}
+
+static size_t gl_scratch_bytes(const ddof_context *ctx, const frame_job *job) {
+    arena a = {0};
+    if (job->method != DDOF_METHOD_GAUSSIAN && job->method != DDOF_METHOD_HEXAGON) return staging_bytes(ctx, job);
+    picture_of(job, &a);
+    const size_t fill = filled_bytes(job), stage = staging_bytes(ctx, job);
+    return a.used + (fill > stage ? fill : stage);
+}
+
+typedef struct stored {
+    const filled_picture *picture;
+    ddof_image output;
+    bool straight;
+    const pixel_kernels *k;
+} stored;
+
+static void store_rows(void *user, int y0, int y1) {
+    const stored *s = user;
+    const filled_picture *p = s->picture;
+    for (int y = y0; y < y1; y++)
+        span_store(&s->output, 0, y, p->width, p->rgba + 4 * (ptrdiff_t)p->width * y, s->straight, s->k);
+}
+
+static ddof_status gather(ddof_context *ctx, frame_job *job, void *scratch, gl_work work) {
+    arena a = {.base = scratch};
+    inner_job inner;
+    filled_picture p = picture_of(job, &a);
+    void *rest = arena_take(&a, 0);
+    const double from = ctx->progress_from, quarter = (ctx->progress_to - from) / 4;
+    context_stage(ctx, from, from + quarter);
+    ctx->progress_total = p.height;
+    ddof_status status = filled_load(ctx, job, &p, rest);
+    if (status != DDOF_OK) return status;
+    const ddof_image rgba = ddof_image_interleaved(p.rgba, p.width, p.height, 4, DDOF_FLOAT, 0);
+    const ddof_image coc = ddof_image_interleaved(p.coc, p.width, p.height, 1, DDOF_FLOAT, 0);
+    pipeline_inner(&inner, job, &rgba, &coc, 0, 0);
+    inner.job.nearest = p.nearest;
+    context_stage(ctx, from + quarter, from + 3 * quarter);
+    status = run(ctx, &inner.job, rest, work);
+    if (status != DDOF_OK) return status;
+    stored s = {&p, job->frame->output, job->frame->color.alpha == DDOF_ALPHA_STRAIGHT, ctx->kernels->pixels};
+    image_resolve(&s.output);
+    context_stage(ctx, from + 3 * quarter, from + 4 * quarter);
+    ctx->progress_total = p.height;
+    return filled_rows(ctx, p.height, store_rows, &s);
+}
+
+static ddof_status gl_gaussian(ddof_context *ctx, frame_job *job, void *scratch) {
+    return gather(ctx, job, scratch, gl_gaussian_render);
+}
+
+static ddof_status gl_hexagon(ddof_context *ctx, frame_job *job, void *scratch) {
+    return gather(ctx, job, scratch, gl_hexagon_render);
+}
+
+/* ---- the CoC alone */
 
 static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
     const int width = job->coc_source.width, height = job->coc_source.height;
@@ -297,7 +366,7 @@ static ddof_status gl_coc_stage(ddof_context *ctx, frame_job *job, void *scratch
 
 static size_t gl_device_bytes(const ddof_context *ctx) {
     const gl_backend *b = ctx->device;
-    return b->gl ? b->gl->surfaces.bytes : 0;
+    return b->gl ? b->gl->surfaces.bytes + b->gl->methods.bytes : 0;
 }
 
 static const char *gl_device(const ddof_context *ctx) {
@@ -343,9 +412,11 @@ static int gl_list(ddof_device *devices, int capacity) {
 
 const backend backend_gl = {
     .id = DDOF_BACKEND_GL,
-    .scratch_bytes = staging_bytes,
+    .scratch_bytes = gl_scratch_bytes,
     .coc = gl_coc_stage,
     .diffuse = gl_diffuse,
+    .gaussian = gl_gaussian,
+    .hexagon = gl_hexagon,
     .device = gl_device,
     .open = gl_open,
     .close = gl_close,

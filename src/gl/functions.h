@@ -15,11 +15,15 @@
 #define GL_FUNCTIONS(X)                                                                                                \
     X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                                           \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
     X(PFNGLBINDSAMPLERPROC, BindSampler)                                                                               \
     X(PFNGLBINDTEXTUREPROC, BindTexture)                                                                               \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
+    X(PFNGLBLENDEQUATIONSEPARATEPROC, BlendEquationSeparate)                                                           \
+    X(PFNGLBLENDFUNCSEPARATEPROC, BlendFuncSeparate)                                                                   \
     X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
+    X(PFNGLCLEARBUFFERFVPROC, ClearBufferfv)                                                                           \
     X(PFNGLCOLORMASKPROC, ColorMask)                                                                                   \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
@@ -32,6 +36,7 @@
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
     X(PFNGLDISABLEPROC, Disable)                                                                                       \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
+    X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                                                               \
     X(PFNGLDRAWBUFFERSPROC, DrawBuffers)                                                                               \
     X(PFNGLENABLEPROC, Enable)                                                                                         \
     X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                                                             \
@@ -43,6 +48,7 @@
     X(PFNGLGETERRORPROC, GetError)                                                                                     \
     X(PFNGLGETFRAMEBUFFERATTACHMENTPARAMETERIVPROC, GetFramebufferAttachmentParameteriv)                               \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
+    X(PFNGLGETINTEGERI_VPROC, GetIntegeri_v)                                                                           \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
@@ -63,6 +69,7 @@
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                                   \
     X(PFNGLUNIFORM2FPROC, Uniform2f)                                                                                   \
     X(PFNGLUNIFORM2IPROC, Uniform2i)                                                                                   \
+    X(PFNGLUNIFORM3FPROC, Uniform3f)                                                                                   \
     X(PFNGLUNIFORM4FPROC, Uniform4f)                                                                                   \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
     X(PFNGLVIEWPORTPROC, Viewport)
@@ -78,6 +85,8 @@ typedef struct gl_functions {
     GLboolean(GL_APIENTRY *IsEnabledi)(GLenum cap, GLuint index);
     void(GL_APIENTRY *ColorMaski)(GLuint index, GLboolean r, GLboolean g, GLboolean b, GLboolean a);
     void(GL_APIENTRY *GetBooleani_v)(GLenum name, GLuint index, GLboolean *value);
+    void(GL_APIENTRY *BlendFuncSeparatei)(GLuint index, GLenum from, GLenum to, GLenum from_alpha, GLenum to_alpha);
+    void(GL_APIENTRY *BlendEquationSeparatei)(GLuint index, GLenum rgb, GLenum alpha);
     GLenum(GL_APIENTRY *GetGraphicsResetStatus)(void);
 } gl_functions;
 

@@ -28,12 +28,17 @@ static unsigned variant_key(const gl_variant *v) {
            (unsigned)v->to_half << 15 | (unsigned)v->depth << 16;
 }
 
-static GLuint compile(ddof_gl *gl, GLenum type, const char *const *part, int parts, const char *name,
-                      ddof_status *status) {
+/* `part`: up to NULL. */
+static GLuint compile(ddof_gl *gl, GLenum type, const char *const *part, const char *name, ddof_status *status) {
+    const char *text[16] = {"#version 300 es\n"
+                            "precision highp float;\n"
+                            "precision highp int;\n"};
     char log[256] = "";
     GLint ok = 0;
+    int parts = 1;
+    for (; *part; part++) text[parts++] = *part;
     GLuint shader = gl->f.CreateShader(type);
-    gl->f.ShaderSource(shader, parts, part, NULL);
+    gl->f.ShaderSource(shader, parts, text, NULL);
     gl->f.CompileShader(shader);
     gl->f.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
     if (ok) return shader;
@@ -60,39 +65,16 @@ static GLuint link_program(ddof_gl *gl, GLuint vertex, GLuint fragment, const ch
     return 0;
 }
 
-static GLuint build(ddof_gl *gl, const gl_variant *v, ddof_status *status) {
-    static const char version[] = "#version 300 es\n"
-                                  "precision highp float;\n"
-                                  "precision highp int;\n";
-    char defines[512];
-    snprintf(
-        defines, sizeof defines,
-        "#define ROWS %d\n#define VERTICAL %d\n#define SHARED %d\n#define ALPHA %d\n#define DEPTH %d\n#define HALF %d\n"
-        "#define TO_ROWS %d\n#define TO_PACKED %d\n#define TO_PICTURE %d\n#define TO_HALF %d\n#define LAST %d\n",
-        v->rows, v->vertical, v->shared, v->alpha, v->depth, v->half, v->to_rows, v->to_packed, v->to_picture,
-        v->to_half, v->last);
-    const char *name = stage_file[v->stage];
-    const char *vertex_part[] = {version, shader_text("gl/triangle.glsl")};
-    const char *fragment_part[] = {version,
-                                   defines,
-                                   shader_text("include/coc.glsl"),
-                                   shader_text("include/row.glsl"),
-                                   shader_text("include/pack.glsl"),
-                                   shader_text("include/pixels.glsl"),
-                                   shader_text("include/picture.glsl"),
-                                   shader_text("gl/surfaces.glsl"),
-                                   shader_text(name)};
-    GLuint program = 0, fragment = 0,
-           vertex = compile(gl, GL_VERTEX_SHADER, vertex_part, 2, "gl/triangle.glsl", status);
-    if (vertex) fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_part, 9, name, status);
-    if (fragment) program = link_program(gl, vertex, fragment, name, status);
+static GLuint build(ddof_gl *gl, const gl_source *s, ddof_status *status) {
+    GLuint program = 0, fragment = 0, vertex = compile(gl, GL_VERTEX_SHADER, s->vertex, s->vertex_name, status);
+    if (vertex) fragment = compile(gl, GL_FRAGMENT_SHADER, s->fragment, s->name, status);
+    if (fragment) program = link_program(gl, vertex, fragment, s->name, status);
     if (vertex) gl->f.DeleteShader(vertex);
     if (fragment) gl->f.DeleteShader(fragment);
     return program;
 }
 
-static bool make_room(ddof_gl *gl, ddof_status *status) {
-    gl_programs *p = &gl->programs;
+static bool make_room(ddof_gl *gl, gl_programs *p, ddof_status *status) {
     if (p->count < p->room) return true;
     const int room = p->room ? 2 * p->room : 32;
     gl_program *more = gl->config.allocate(gl->config.memory_user, sizeof *more * (size_t)room);
@@ -109,28 +91,55 @@ static bool make_room(ddof_gl *gl, ddof_status *status) {
     return true;
 }
 
-const gl_program *gl_program_get(ddof_gl *gl, const gl_variant *v, ddof_status *status) {
-    gl_programs *p = &gl->programs;
-    const unsigned key = variant_key(v);
+const gl_program *gl_program_find(const gl_programs *p, unsigned key) {
     for (int i = 0; i < p->count; i++)
         if (p->program[i].key == key) return &p->program[i];
-    if (!make_room(gl, status)) return NULL;
+    return NULL;
+}
+
+const gl_program *gl_program_make(ddof_gl *gl, gl_programs *p, unsigned key, const gl_source *s, ddof_status *status) {
+    if (!make_room(gl, p, status)) return NULL;
     gl_program *made = &p->program[p->count];
     made->key = key;
-    made->name = build(gl, v, status);
+    made->name = build(gl, s, status);
     if (!made->name) return NULL;
     p->count++;
     gl->objects++;
-    for (int i = 0; i < GL_UNIFORMS; i++)
-        made->uniform[i] = gl->f.GetUniformLocation(made->name, uniform_name[i]);
+    for (int i = 0; i < s->uniform_count; i++)
+        made->uniform[i] = gl->f.GetUniformLocation(made->name, s->uniforms[i]);
     gl->f.UseProgram(made->name);
-    for (int i = 0; i < GL_UNITS; i++)
-        gl->f.Uniform1i(gl->f.GetUniformLocation(made->name, sampler_name[i]), i);
+    for (int i = 0; i < s->sampler_count; i++)
+        gl->f.Uniform1i(gl->f.GetUniformLocation(made->name, s->samplers[i]), i);
     return made;
 }
 
-void gl_programs_delete(ddof_gl *gl) {
-    gl_programs *p = &gl->programs;
+const gl_program *gl_program_get(ddof_gl *gl, const gl_variant *v, ddof_status *status) {
+    const unsigned key = variant_key(v);
+    const gl_program *found = gl_program_find(&gl->programs, key);
+    char defines[512];
+    if (found) return found;
+    snprintf(
+        defines, sizeof defines,
+        "#define ROWS %d\n#define VERTICAL %d\n#define SHARED %d\n#define ALPHA %d\n#define DEPTH %d\n#define HALF %d\n"
+        "#define TO_ROWS %d\n#define TO_PACKED %d\n#define TO_PICTURE %d\n#define TO_HALF %d\n#define LAST %d\n",
+        v->rows, v->vertical, v->shared, v->alpha, v->depth, v->half, v->to_rows, v->to_packed, v->to_picture,
+        v->to_half, v->last);
+    const gl_source source = {
+        .name = stage_file[v->stage],
+        .vertex_name = "gl/triangle.glsl",
+        .vertex = {shader_text("gl/triangle.glsl")},
+        .fragment = {defines, shader_text("include/coc.glsl"), shader_text("include/row.glsl"),
+                     shader_text("include/pack.glsl"), shader_text("include/pixels.glsl"),
+                     shader_text("include/picture.glsl"), shader_text("gl/surfaces.glsl"),
+                     shader_text(stage_file[v->stage])},
+        .uniforms = uniform_name,
+        .samplers = sampler_name,
+        .uniform_count = GL_UNIFORMS,
+        .sampler_count = GL_UNITS};
+    return gl_program_make(gl, &gl->programs, key, &source, status);
+}
+
+void gl_programs_delete(ddof_gl *gl, gl_programs *p) {
     for (int i = 0; i < p->count; i++)
         gl->f.DeleteProgram(p->program[i].name);
     if (p->program) gl->config.release(gl->config.memory_user, p->program);

@@ -51,10 +51,12 @@ typedef enum gl_uniform {
     GL_UNIFORMS
 } gl_uniform;
 
+enum { GL_UNIFORMS_MOST = 32 };
+
 typedef struct gl_program {
     unsigned key;
     GLuint name;
-    GLint uniform[GL_UNIFORMS]; /* -1: not in this one */
+    GLint uniform[GL_UNIFORMS_MOST]; /* -1: not in this one */
 } gl_program;
 
 typedef struct gl_programs {
@@ -66,6 +68,21 @@ struct ddof_gl;
 
 /* The program of a variant, or NULL with the status and the text of what is wrong set. */
 const gl_program *gl_program_get(struct ddof_gl *gl, const gl_variant *variant, ddof_status *status);
-void gl_programs_delete(struct ddof_gl *gl);
+
+/* A program to be made, for a list: the parts of its shaders (NULL after the last, GLSL's version not among them), the names of
+ * its uniforms, and those of its samplers by unit. */
+typedef struct gl_source {
+    const char *name, *vertex_name; /* of the files, for messages */
+    const char *vertex[12], *fragment[12];
+    const char *const *uniforms, *const *samplers;
+    int uniform_count, sampler_count;
+} gl_source;
+
+/* NULL: it is not in the list. */
+const gl_program *gl_program_find(const gl_programs *list, unsigned key);
+/* Makes it and adds it to the list, or NULL, likewise. */
+const gl_program *gl_program_make(struct ddof_gl *gl, gl_programs *list, unsigned key, const gl_source *source,
+                                  ddof_status *status);
+void gl_programs_delete(struct ddof_gl *gl, gl_programs *list);
 
 #endif

@@ -33,7 +33,7 @@ typedef struct direction {
     ddof_status status;
 } direction;
 
-static void set_lens(const gl_functions *f, const GLint *u, const gl_frame *frame) {
+void gl_set_lens(const gl_functions *f, const GLint *u, const gl_frame *frame) {
     const lens_curve *c = &frame->job->curve;
     const ddof_frame *in = frame->job->frame;
     f->Uniform2f(u[U_DEPTH_LINEAR], c->offset, c->slope);
@@ -43,7 +43,7 @@ static void set_lens(const gl_functions *f, const GLint *u, const gl_frame *fram
     f->Uniform2f(u[U_LENS_LIMIT], c->limit_far, c->limit_near);
 }
 
-static void bind(const gl_functions *f, GLuint unit, GLuint texture) {
+void gl_bind(const gl_functions *f, GLuint unit, GLuint texture) {
     f->ActiveTexture(GL_TEXTURE0 + unit);
     f->BindTexture(GL_TEXTURE_2D, texture);
 }
@@ -86,18 +86,18 @@ static void set_sources(const direction *d, const pass *p, const GLint *u) {
     f->Uniform1i(u[U_STRIDE], p->stride);
     f->Uniform1f(u[U_SCALE], d->scale);
     f->Uniform1i(u[U_COC_DECIDES], d->coc_decides);
-    if (!p->rows || p->rows == d->abc) bind(f, UNIT_COLOR, d->source);
+    if (!p->rows || p->rows == d->abc) gl_bind(f, UNIT_COLOR, d->source);
     if (!p->rows) {
-        bind(f, UNIT_COC, d->frame->map);
+        gl_bind(f, UNIT_COC, d->frame->map);
     } else if (p->rows->format[0] == GL_RGBA32UI) {
-        bind(f, UNIT_PACKED, p->rows->texture[0]);
+        gl_bind(f, UNIT_PACKED, p->rows->texture[0]);
     } else {
-        bind(f, UNIT_ABC, p->rows->texture[0]);
-        if (p->rows->texture[1]) bind(f, UNIT_X, p->rows->texture[1]);
+        gl_bind(f, UNIT_ABC, p->rows->texture[0]);
+        if (p->rows->texture[1]) gl_bind(f, UNIT_X, p->rows->texture[1]);
     }
     if (p->rows) f->Uniform2i(u[U_ROWS_FOLD], p->rows->width, p->unknowns);
     if (p->y) {
-        bind(f, UNIT_Y, p->y->texture[0]);
+        gl_bind(f, UNIT_Y, p->y->texture[0]);
         f->Uniform2i(u[U_Y_FOLD], p->y->width, p->known);
     }
 }
@@ -125,7 +125,7 @@ static void draw(direction *d, const pass *p) {
     const gl_program *program = gl_program_get(gl, &variant, &d->status);
     if (!program) return;
     gl->f.UseProgram(program->name);
-    if (variant.depth) set_lens(&gl->f, program->uniform, d->frame);
+    if (variant.depth) gl_set_lens(&gl->f, program->uniform, d->frame);
     set_sources(d, p, program->uniform);
     set_target(d, p, program->uniform);
     gl->f.DrawArrays(GL_TRIANGLES, 0, 3);
@@ -186,7 +186,7 @@ static void solve_direction(direction *d, ddof_solver solver) {
                     .y = c->y[0], .known = c->unknowns[0], .to_unknowns = n});
 }
 
-static bool attach_output(ddof_gl *gl, GLuint texture) {
+bool gl_attach_output(ddof_gl *gl, GLuint texture) {
     static const GLenum buffer = GL_COLOR_ATTACHMENT0;
     gl->f.BindFramebuffer(GL_DRAW_FRAMEBUFFER, gl->output);
     gl->f.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, buffer, GL_TEXTURE_2D, texture, 0);
@@ -194,7 +194,7 @@ static bool attach_output(ddof_gl *gl, GLuint texture) {
     return gl->f.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-static void detach_output(ddof_gl *gl) {
+void gl_detach_output(ddof_gl *gl) {
     gl->f.BindFramebuffer(GL_DRAW_FRAMEBUFFER, gl->output);
     gl->f.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, 0, 0);
 }
@@ -208,11 +208,10 @@ ddof_status gl_check_solver(ddof_context *owner, const ddof_settings *settings) 
 
 ddof_status gl_solve(ddof_gl *gl, const gl_frame *frame) {
     const gl_layout layout = gl_layout_make(frame->width, frame->height, gl->max_size, frame->settings);
-    gl->draws = 0;
     ddof_status status = gl_surfaces_make(gl, &layout);
     if (status != DDOF_OK) return status;
-    if (!attach_output(gl, frame->output)) {
-        detach_output(gl);
+    if (!gl_attach_output(gl, frame->output)) {
+        gl_detach_output(gl);
         return context_fail(gl->owner, DDOF_ERROR_INVALID, "frame.output: this GL cannot render to that texture");
     }
     const gl_surfaces *s = &gl->surfaces;
@@ -230,18 +229,18 @@ ddof_status gl_solve(ddof_gl *gl, const gl_frame *frame) {
         solve_direction(&columns, layout.solver);
         status = columns.status;
     }
-    detach_output(gl);
+    gl_detach_output(gl);
     return status != DDOF_OK ? status : gl_device_check(gl);
 }
 
 ddof_status gl_coc(ddof_gl *gl, const gl_frame *frame) {
     const gl_chain chain = {.lines = frame->height, .length = frame->width};
     direction d = {.gl = gl, .frame = frame, .chain = &chain, .target = gl->output};
-    if (!attach_output(gl, frame->output)) {
-        detach_output(gl);
+    if (!gl_attach_output(gl, frame->output)) {
+        gl_detach_output(gl);
         return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED, "this GL (%s) does not render to R32F", gl->renderer);
     }
     draw(&d, &(pass){STAGE_COC, .unknowns = frame->width, .to_unknowns = frame->width});
-    detach_output(gl);
+    gl_detach_output(gl);
     return d.status != DDOF_OK ? d.status : gl_device_check(gl);
 }

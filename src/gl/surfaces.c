@@ -106,23 +106,23 @@ void gl_surfaces_plan(gl_surfaces *s, const gl_layout *l) {
     }
 }
 
-static GLuint make_texture(ddof_gl *gl, const gl_target *t, GLenum format) {
+GLuint gl_texture_make(ddof_gl *gl, GLenum format, int width, int height) {
     GLuint name = 0;
     gl->f.GenTextures(1, &name);
     gl->f.BindTexture(GL_TEXTURE_2D, name);
-    gl->f.TexStorage2D(GL_TEXTURE_2D, 1, format, t->width, t->height);
+    gl->f.TexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
     gl->objects++;
     return name;
 }
 
-static ddof_status make_target(ddof_gl *gl, gl_target *t) {
+ddof_status gl_target_make(ddof_gl *gl, gl_target *t) {
     static const GLenum buffers[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
     const int count = t->format[1] ? 2 : 1;
     gl->f.GenFramebuffers(1, &t->framebuffer);
     gl->f.BindFramebuffer(GL_DRAW_FRAMEBUFFER, t->framebuffer);
     gl->objects++;
     for (int i = 0; i < count; i++) {
-        t->texture[i] = make_texture(gl, t, t->format[i]);
+        t->texture[i] = gl_texture_make(gl, t->format[i], t->width, t->height);
         gl->f.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, buffers[i], GL_TEXTURE_2D, t->texture[i], 0);
     }
     gl->f.DrawBuffers(count, buffers);
@@ -131,6 +131,11 @@ static ddof_status make_target(ddof_gl *gl, gl_target *t) {
     if (gl->f.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return DDOF_OK;
     return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED, "this GL (%s) does not render to a float surface of %d x %d",
                         gl->renderer, t->width, t->height);
+}
+
+void gl_target_delete(ddof_gl *gl, gl_target *t) {
+    gl->f.DeleteFramebuffers(1, &t->framebuffer); /* 0 is no name and ignored */
+    gl->f.DeleteTextures(2, t->texture);
 }
 
 ddof_status gl_surfaces_make(ddof_gl *gl, const gl_layout *l) {
@@ -146,16 +151,13 @@ ddof_status gl_surfaces_make(ddof_gl *gl, const gl_layout *l) {
                                   "a surface of %d x %d is larger than the %d that this GL (%s) allows",
                                   s->target[i].width, s->target[i].height, l->max_size, gl->renderer);
     for (int i = 0; i < s->targets && status == DDOF_OK; i++)
-        status = make_target(gl, &s->target[i]);
+        status = gl_target_make(gl, &s->target[i]);
     if (status != DDOF_OK) gl_surfaces_delete(gl);
     return status;
 }
 
 void gl_surfaces_delete(ddof_gl *gl) {
     gl_surfaces *s = &gl->surfaces;
-    for (int i = 0; i < s->targets; i++) {
-        gl->f.DeleteFramebuffers(1, &s->target[i].framebuffer);
-        gl->f.DeleteTextures(2, s->target[i].texture); /* 0 is no name and ignored */
-    }
+    for (int i = 0; i < s->targets; i++) gl_target_delete(gl, &s->target[i]);
     memset(s, 0, sizeof *s);
 }

@@ -60,6 +60,11 @@ bool solver_is_cr4(ddof_solver solver);
 
 gl_layout gl_layout_make(int width, int height, int max_size, const ddof_settings *settings);
 
+/* Makes its textures and framebuffer; what it has made is the caller's to delete also where it fails. */
+ddof_status gl_target_make(struct ddof_gl *gl, gl_target *t);
+void gl_target_delete(struct ddof_gl *gl, gl_target *t);
+GLuint gl_texture_make(struct ddof_gl *gl, GLenum format, int width, int height);
+
 /* Plans the surfaces; needs no GL. */
 void gl_surfaces_plan(gl_surfaces *s, const gl_layout *layout);
 
