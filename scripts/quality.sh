@@ -29,6 +29,10 @@ disc_off|Disc, good, no sprites|ddof --kernel disc --bokeh off
 layers_off|Disc, good, layers, no sprites|ddof --kernel disc --layers auto --bokeh off
 full|Sprites, all pixels|ddof --bokeh full
 full_layers|Sprites, all pixels, layers|ddof --bokeh full --layers auto
+gaussian|Gaussian|ddof --method gaussian
+gaussian_layers|Gaussian, layers|ddof --method gaussian --layers auto
+hexagon|Hexagon|ddof --method hexagon
+hexagon_layers|Hexagon, layers|ddof --method hexagon --layers auto
 gather|Disc gather|baseline gather
 scatter|Disc scatter|baseline scatter
 imagemagick|ImageMagick blur map|imagemagick

@@ -185,6 +185,22 @@ ddof_status check_frame(ddof_context *ctx, const ddof_frame *f, bool work) {
     return check_map(ctx, f, work);
 }
 
+/* What is DIFFUSION's alone. */
+static ddof_status check_method(ddof_context *ctx, const ddof_settings *s) {
+    if (s->method < DDOF_METHOD_DIFFUSION || s->method > DDOF_METHOD_SCATTER)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.method is none of ddof_method");
+    if (s->method == DDOF_METHOD_DIFFUSION) return DDOF_OK;
+    if (s->kernel != DDOF_KERNEL_HEAT || s->quality != DDOF_QUALITY_DEFAULT || s->substeps || s->conductance != DDOF_CONDUCTANCE_MATCHED)
+        return context_fail(ctx, DDOF_ERROR_INVALID,
+                            "settings.kernel, quality, substeps and conductance must be 0 with this settings.method: they say how to diffuse");
+    if (s->bokeh == DDOF_BOKEH_HIGHLIGHTS)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "settings.bokeh: DDOF_BOKEH_HIGHLIGHTS needs DDOF_METHOD_DIFFUSION");
+    if (s->bokeh == DDOF_BOKEH_FULL && s->method != DDOF_METHOD_SCATTER)
+        return context_fail(ctx, DDOF_ERROR_INVALID,
+                            "settings.bokeh: DDOF_BOKEH_FULL is a method of its own: set settings.method, or bokeh, to 0");
+    return DDOF_OK;
+}
+
 ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddof_settings *s) {
     if (!s) return context_fail(ctx, DDOF_ERROR_INVALID, "settings is NULL");
     if (!RESERVED_ZERO(s)) return context_fail(ctx, DDOF_ERROR_INVALID, "settings.reserved must be 0");
@@ -202,6 +218,8 @@ ddof_status check_settings(ddof_context *ctx, const ddof_frame *frame, const ddo
     if (s->kernel == DDOF_KERNEL_DISC && (s->substeps || s->conductance != DDOF_CONDUCTANCE_MATCHED))
         return context_fail(ctx, DDOF_ERROR_INVALID,
                             "settings.substeps and conductance must be 0 with DDOF_KERNEL_DISC: settings.quality decides");
+    const ddof_status method = check_method(ctx, s);
+    if (method != DDOF_OK) return method;
     const char *sprites = bokeh_check(s);
     if (sprites) return context_fail(ctx, DDOF_ERROR_INVALID, "settings.%s", sprites);
     if (s->layers != DDOF_LAYERS_OFF && s->layers != DDOF_LAYERS_AUTO)

@@ -28,6 +28,7 @@ typedef struct frame_job {
     double pixel_aspect;
     ddof_method method;       /* SCATTER also where the bokeh is FULL */
     bool highlights;          /* bokeh HIGHLIGHTS */
+    float nearest;            /* of the picture, where it is a filled_picture */
     const struct iris *iris;  /* of sprites; NULL where there are none */
     double focus_distance;    /* as in ddof_stats */
     int64_t nonfinite_pixels; /* out */

@@ -8,6 +8,7 @@
  *     conductance how well a link between two pixels conducts, from their CoC                cpu/conductance.h
  *     diffusion   one implicit step along all rows, then along all columns, `substeps` times cpu/rows.c, cpu/columns.c
  *                 or, of the disc kernel, along diagonals too, with complex numbers                disc.c, cpu/disc_engine.c
+ *                 or, in its place, the classical methods                                          methods.c, cpu/methods.c
  *     bokeh       what is too bright for that, taken out before and drawn after, as the iris's picture   bokeh.c, iris.c
  */
 #include <math.h>

@@ -15,10 +15,11 @@
     extern const disc_kernels disc_kernels_##isa;                                                                      \
     extern const layer_kernels layer_kernels_##isa;                                                                    \
     extern const fill_kernels fill_kernels_##isa;                                                                      \
-    extern const sprite_kernels sprite_kernels_##isa;
+    extern const sprite_kernels sprite_kernels_##isa;                                                                  \
+    extern const gather_kernels gather_kernels_##isa;
 #define TABLE(isa, name, flag, lanes)                                                                                  \
     {name, flag, lanes, &row_kernels_##isa, &column_kernels_##isa, &pixel_kernels_##isa, &disc_kernels_##isa,          \
-     &layer_kernels_##isa, &fill_kernels_##isa, &sprite_kernels_##isa}
+     &layer_kernels_##isa, &fill_kernels_##isa, &sprite_kernels_##isa, &gather_kernels_##isa}
 
 DECLARE(baseline)
 #if defined(__aarch64__)
@@ -70,4 +71,4 @@ static const char *device(const ddof_context *ctx) {
 }
 
 const backend backend_cpu = {.id = DDOF_BACKEND_CPU, .disc = true, .scratch_bytes = cpu_scratch_bytes, .coc = cpu_coc, .diffuse = cpu_diffuse,
-                             .device = device};
+                             .gaussian = cpu_gaussian, .hexagon = cpu_hexagon, .device = device};

@@ -76,6 +76,7 @@ static void lay_out(const ddof_context *ctx, const frame_job *job, sweep *s, are
 }
 
 size_t cpu_scratch_bytes(const ddof_context *ctx, const frame_job *job) {
+    if (job->method == DDOF_METHOD_GAUSSIAN || job->method == DDOF_METHOD_HEXAGON) return cpu_method_bytes(job);
     if (job->disc) return disc_scratch_bytes(ctx, job);
     sweep s = {0};
     arena a = {0};

@@ -9,6 +9,11 @@
 
 size_t cpu_scratch_bytes(const ddof_context *ctx, const frame_job *job);
 ddof_status cpu_diffuse(ddof_context *ctx, frame_job *job, void *scratch);
+/* methods.c: gaussian and hexagon, and the scratch memory of both. */
+ddof_status cpu_gaussian(ddof_context *ctx, frame_job *job, void *scratch);
+ddof_status cpu_hexagon(ddof_context *ctx, frame_job *job, void *scratch);
+size_t cpu_method_bytes(const frame_job *job);
+
 ddof_status cpu_coc(ddof_context *ctx, frame_job *job, void *scratch);
 
 /* The instruction sets of this machine and build, and the widest of them that the mask allows (dispatch.c). */

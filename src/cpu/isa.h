@@ -19,6 +19,7 @@ extern const disc_kernels ISA(disc_kernels);
 extern const layer_kernels ISA(layer_kernels);
 extern const fill_kernels ISA(fill_kernels);
 extern const sprite_kernels ISA(sprite_kernels);
+extern const gather_kernels ISA(gather_kernels);
 
 /* Of disc_rows.c, for the table in disc_lines.c. */
 bool ISA(disc_forward)(const disc_block *block, const disc_link *link);

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 
 /* The CPU engine's stages as one instruction set implements them. What src/meson.build lists as
- * kernel_sources is compiled once per instruction set; engine.c, disc_engine.c, ../layers.c, ../fill.c and ../bokeh.c drive it.
+ * kernel_sources is compiled once per instruction set; engine.c, disc_engine.c, methods.c, ../layers.c, ../fill.c and ../bokeh.c drive it.
  *
  * The engine works on a BLOCK of as many rows as the vectors have lanes: every row is solved, one row per lane, and the
  * column elimination of these rows follows at once, while they are in the cache. */
@@ -192,6 +192,17 @@ typedef struct sprite_kernels {
                 const float color[4], float one);
 } sprite_kernels;
 
+struct filled_picture;
+struct gather_line;
+
+enum { GATHER_CHUNK = 64 };
+
+/* Stage gather (gather.c). */
+typedef struct gather_kernels {
+    /* RGBA of `count` <= GATHER_CHUNK pixels from (x, y), each the mean along a line through it (methods.h). */
+    void (*mean)(const struct filled_picture *picture, const struct gather_line *line, int x, int y, int count, float *rgba);
+} gather_kernels;
+
 /* Stages lens and input/output (pixels.c). */
 typedef struct pixel_kernels {
     /* A row of depth values to signed CoC. x, y: position of its first pixel in the whole picture. */
@@ -211,6 +222,7 @@ typedef struct cpu_kernels {
     const layer_kernels *layers;
     const fill_kernels *fill;
     const sprite_kernels *sprites;
+    const gather_kernels *gather;
 } cpu_kernels;
 
 extern const cpu_kernels cpu_kernels_baseline; /* always there; the others are picked in dispatch.c */

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../cpu/block.h"
+#include "../filled.h"
 #include "../image.h"
 #include "../staging.h"
 #include "device.h"
@@ -118,6 +120,7 @@ static void gl_trim(ddof_context *ctx) {
     delete_images(b);
     gl_surfaces_delete(b->gl);
     gl_sprites_delete(b->gl);
+    gl_methods_delete(b->gl);
     leave(b);
 }
 
@@ -265,6 +268,72 @@ static ddof_status gl_scatter(ddof_context *ctx, frame_job *job, void *scratch) 
     return run(ctx, job, scratch, draw_and_count);
 }
 
+/* ---- gaussian and hexagon: the picture goes up as floats without holes, comes back into the same memory, and is stored */
+
+static filled_picture picture_of(const frame_job *job, arena *a) {
+    const size_t n = (size_t)job->coc_source.width * (size_t)job->coc_source.height * sizeof(float);
+    filled_picture p = {.width = job->coc_source.width, .height = job->coc_source.height};
+    p.rgba = arena_take(a, 4 * n);
+    p.coc = arena_take(a, n);
+    return p;
+}
+
+static size_t gl_scratch_bytes(const ddof_context *ctx, const frame_job *job) {
+    arena a = {0};
+    if (job->method != DDOF_METHOD_GAUSSIAN && job->method != DDOF_METHOD_HEXAGON) return staging_bytes(ctx, job);
+    picture_of(job, &a);
+    const size_t fill = filled_bytes(job), stage = staging_bytes(ctx, job);
+    return a.used + (fill > stage ? fill : stage);
+}
+
+typedef struct stored {
+    const filled_picture *picture;
+    ddof_image output;
+    bool straight;
+    const pixel_kernels *k;
+} stored;
+
+static void store_rows(void *user, int y0, int y1) {
+    const stored *s = user;
+    const filled_picture *p = s->picture;
+    for (int y = y0; y < y1; y++)
+        span_store(&s->output, 0, y, p->width, p->rgba + 4 * (ptrdiff_t)p->width * y, s->straight, s->k);
+}
+
+static ddof_status gather(ddof_context *ctx, frame_job *job, void *scratch, gl_work work) {
+    arena a = {.base = scratch};
+    inner_job inner;
+    filled_picture p = picture_of(job, &a);
+    void *rest = arena_take(&a, 0);
+    const double from = ctx->progress_from, quarter = (ctx->progress_to - from) / 4;
+    context_stage(ctx, from, from + quarter);
+    ctx->progress_total = p.height;
+    ddof_status status = filled_load(ctx, job, &p, rest);
+    if (status != DDOF_OK) return status;
+    const ddof_image rgba = ddof_image_interleaved(p.rgba, p.width, p.height, 4, DDOF_FLOAT, 0);
+    const ddof_image coc = ddof_image_interleaved(p.coc, p.width, p.height, 1, DDOF_FLOAT, 0);
+    pipeline_inner(&inner, job, &rgba, &coc, 0, 0);
+    inner.job.nearest = p.nearest;
+    context_stage(ctx, from + quarter, from + 3 * quarter);
+    status = run(ctx, &inner.job, rest, work);
+    if (status != DDOF_OK) return status;
+    stored s = {&p, job->frame->output, job->frame->color.alpha == DDOF_ALPHA_STRAIGHT, ctx->kernels->pixels};
+    image_resolve(&s.output);
+    context_stage(ctx, from + 3 * quarter, from + 4 * quarter);
+    ctx->progress_total = p.height;
+    return filled_rows(ctx, p.height, store_rows, &s);
+}
+
+static ddof_status gl_gaussian(ddof_context *ctx, frame_job *job, void *scratch) {
+    return gather(ctx, job, scratch, gl_gaussian_render);
+}
+
+static ddof_status gl_hexagon(ddof_context *ctx, frame_job *job, void *scratch) {
+    return gather(ctx, job, scratch, gl_hexagon_render);
+}
+
+/* ---- the CoC alone */
+
 static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
     const int width = job->coc_source.width, height = job->coc_source.height;
     ddof_image output = job->frame->output;
@@ -308,7 +377,7 @@ static ddof_status gl_coc_stage(ddof_context *ctx, frame_job *job, void *scratch
 
 static size_t gl_device_bytes(const ddof_context *ctx) {
     const gl_backend *b = ctx->device;
-    return b->gl ? b->gl->surfaces.bytes + b->gl->sprites.bytes : 0;
+    return b->gl ? b->gl->surfaces.bytes + b->gl->sprites.bytes + b->gl->methods.bytes : 0;
 }
 
 static const char *gl_device(const ddof_context *ctx) {
@@ -354,10 +423,12 @@ static int gl_list(ddof_device *devices, int capacity) {
 
 const backend backend_gl = {
     .id = DDOF_BACKEND_GL,
-    .scratch_bytes = staging_bytes,
+    .scratch_bytes = gl_scratch_bytes,
     .coc = gl_coc_stage,
     .diffuse = gl_diffuse,
     .sprites = gl_scatter,
+    .gaussian = gl_gaussian,
+    .hexagon = gl_hexagon,
     .device = gl_device,
     .open = gl_open,
     .close = gl_close,

@@ -1,7 +1,7 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What a ddof_gl holds. The parts: functions (of GL), programs (the shaders), surfaces (textures of the solver), state
+/* What a ddof_gl holds. The parts: functions (of GL), programs (the shaders), surfaces (textures of the solver), sprites, methods (the classical ones), state
  * (of the caller's context), solver (the method), interop (ddof/gl.h), and for the backend of ddof_render() egl and
  * backend. */
 #ifndef DDOF_GL_DEVICE_H
@@ -9,6 +9,7 @@
 
 #include "../context.h"
 #include "functions.h"
+#include "methods.h"
 #include "programs.h"
 #include "sprites.h"
 #include "surfaces.h"
@@ -29,6 +30,7 @@ struct ddof_gl {
     gl_surfaces surfaces;
     gl_sprites sprites;
     bool blends; /* floats of 32 bits, too */
+    gl_methods methods;
     int64_t objects, draws;
     bool lost;
 };
@@ -64,8 +66,7 @@ ddof_status gl_check_solver(ddof_context *owner, const ddof_settings *settings);
 ddof_status gl_solve(ddof_gl *gl, const gl_frame *frame);
 ddof_status gl_coc(ddof_gl *gl, const gl_frame *frame);
 
-/* What passes have in common. gl_set_lens: the first four of gl_uniform. gl_attach_output: false: GL cannot draw to
- * that texture. */
+/* What passes have in common. gl_set_lens: the first four of gl_uniform. gl_attach_output: false: GL cannot draw to that texture. */
 void gl_set_lens(const gl_functions *f, const GLint *uniform, const gl_frame *frame);
 void gl_bind(const gl_functions *f, GLuint unit, GLuint texture);
 bool gl_attach_output(ddof_gl *gl, GLuint texture);

@@ -214,6 +214,9 @@ static ddof_status check(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_set
         return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
                             "settings.%s: this call diffuses one layer with the heat kernel; ddof_render() has more",
                             settings->kernel ? "kernel" : "layers");
+    if (settings->method == DDOF_METHOD_GAUSSIAN || settings->method == DDOF_METHOD_HEXAGON)
+        return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
+                            "settings.method: this call has neither the Gaussian nor the hexagon; ddof_render() has both");
     gl->f.GetBooleanv(GL_TRANSFORM_FEEDBACK_ACTIVE, &active);
     gl->f.GetBooleanv(GL_TRANSFORM_FEEDBACK_PAUSED, &paused);
     if (active && !paused)

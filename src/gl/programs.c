@@ -36,8 +36,7 @@ static GLuint compile(ddof_gl *gl, GLenum type, const char *const *part, const c
     char log[256] = "";
     GLint ok = 0;
     int parts = 1;
-    for (; *part; part++)
-        text[parts++] = *part;
+    for (; *part; part++) text[parts++] = *part;
     GLuint shader = gl->f.CreateShader(type);
     gl->f.ShaderSource(shader, parts, text, NULL);
     gl->f.CompileShader(shader);
@@ -125,17 +124,18 @@ const gl_program *gl_program_get(ddof_gl *gl, const gl_variant *v, ddof_status *
         "#define TO_ROWS %d\n#define TO_PACKED %d\n#define TO_PICTURE %d\n#define TO_HALF %d\n#define LAST %d\n",
         v->rows, v->vertical, v->shared, v->alpha, v->depth, v->half, v->to_rows, v->to_packed, v->to_picture,
         v->to_half, v->last);
-    const gl_source source = {.name = stage_file[v->stage],
-                              .vertex_name = "gl/triangle.glsl",
-                              .vertex = {shader_text("gl/triangle.glsl")},
-                              .fragment = {defines, shader_text("include/coc.glsl"), shader_text("include/row.glsl"),
-                                           shader_text("include/pack.glsl"), shader_text("include/pixels.glsl"),
-                                           shader_text("include/picture.glsl"), shader_text("gl/surfaces.glsl"),
-                                           shader_text(stage_file[v->stage])},
-                              .uniforms = uniform_name,
-                              .samplers = sampler_name,
-                              .uniform_count = GL_UNIFORMS,
-                              .sampler_count = GL_UNITS};
+    const gl_source source = {
+        .name = stage_file[v->stage],
+        .vertex_name = "gl/triangle.glsl",
+        .vertex = {shader_text("gl/triangle.glsl")},
+        .fragment = {defines, shader_text("include/coc.glsl"), shader_text("include/row.glsl"),
+                     shader_text("include/pack.glsl"), shader_text("include/pixels.glsl"),
+                     shader_text("include/picture.glsl"), shader_text("gl/surfaces.glsl"),
+                     shader_text(stage_file[v->stage])},
+        .uniforms = uniform_name,
+        .samplers = sampler_name,
+        .uniform_count = GL_UNIFORMS,
+        .sampler_count = GL_UNITS};
     return gl_program_make(gl, &gl->programs, key, &source, status);
 }
 

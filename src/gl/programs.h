@@ -69,8 +69,8 @@ struct ddof_gl;
 /* The program of a variant, or NULL with the status and the text of what is wrong set. */
 const gl_program *gl_program_get(struct ddof_gl *gl, const gl_variant *variant, ddof_status *status);
 
-/* A program to be made, for a list: the parts of its shaders (NULL after the last, GLSL's version not among them), the
- * names of its uniforms, and those of its samplers by unit. */
+/* A program to be made, for a list: the parts of its shaders (NULL after the last, GLSL's version not among them), the names of
+ * its uniforms, and those of its samplers by unit. */
 typedef struct gl_source {
     const char *name, *vertex_name; /* of the files, for messages */
     const char *vertex[12], *fragment[12];

@@ -158,7 +158,6 @@ ddof_status gl_surfaces_make(ddof_gl *gl, const gl_layout *l) {
 
 void gl_surfaces_delete(ddof_gl *gl) {
     gl_surfaces *s = &gl->surfaces;
-    for (int i = 0; i < s->targets; i++)
-        gl_target_delete(gl, &s->target[i]);
+    for (int i = 0; i < s->targets; i++) gl_target_delete(gl, &s->target[i]);
     memset(s, 0, sizeof *s);
 }

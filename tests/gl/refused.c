@@ -60,6 +60,8 @@ static void invalid_frames(void **state) {
     refused(gl, &good, &(ddof_settings){.solver = DDOF_SOLVER_LINE}, DDOF_ERROR_UNSUPPORTED, "solver");
     refused(gl, &good, &(ddof_settings){.kernel = DDOF_KERNEL_DISC}, DDOF_ERROR_UNSUPPORTED, "kernel");
     refused(gl, &good, &(ddof_settings){.layers = DDOF_LAYERS_AUTO}, DDOF_ERROR_UNSUPPORTED, "layers");
+    refused(gl, &good, &(ddof_settings){.method = DDOF_METHOD_GAUSSIAN}, DDOF_ERROR_UNSUPPORTED, "method");
+    refused(gl, &good, &(ddof_settings){.method = DDOF_METHOD_HEXAGON}, DDOF_ERROR_UNSUPPORTED, "method");
     refused(gl, &good, &(ddof_settings){.surface = (ddof_surface)3}, DDOF_ERROR_INVALID, "surface");
     refused(gl, &good, &(ddof_settings){.shared_chain = 2}, DDOF_ERROR_INVALID, "shared_chain");
     refused(gl, &good, &(ddof_settings){.substeps = 65}, DDOF_ERROR_INVALID, "substeps");
