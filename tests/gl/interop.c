@@ -222,7 +222,12 @@ static void published_bytes(void **state) {
 
 enum { UNITS = 16, DUMP = 400 };
 
-/* All that a context can be asked in ES 3.0 that a draw could change. */
+/* Whether each draw buffer has its own blending. */
+static bool buffers_blend(void) {
+    return strstr((const char *)GL(PFNGLGETSTRINGPROC, glGetString)(GL_VERSION), "OpenGL ES 3.2") != NULL;
+}
+
+/* All that a context can be asked in ES 3.0 that a draw could change, and the blending of two buffers. */
 static int dump(GLint *out) {
     static const GLenum single[] = {
         GL_CURRENT_PROGRAM,
@@ -283,6 +288,9 @@ static int dump(GLint *out) {
         get(single[i], &out[n++]);
     for (int i = 0; i < COUNT(four); i++, n += 4)
         get(four[i], &out[n]);
+    for (GLuint i = 0; i < 2 && buffers_blend(); i++)
+        for (int k = 0; k < 2; k++)
+            GL(PFNGLGETINTEGERI_VPROC, glGetIntegeri_v)(k ? GL_BLEND_DST_ALPHA : GL_BLEND_EQUATION_RGB, i, &out[n++]);
     get(GL_ACTIVE_TEXTURE, &active);
     for (GLuint u = 0; u < UNITS; u++)
         for (int i = 0; i < COUNT(per_unit); i++) {
@@ -329,6 +337,12 @@ static void disturb(const gl_scene *g) {
     GL(PFNGLCOLORMASKPROC, glColorMask)(GL_TRUE, GL_FALSE, GL_TRUE, GL_FALSE);
     GL(PFNGLBLENDFUNCPROC, glBlendFunc)(GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA);
     GL(PFNGLBLENDEQUATIONSEPARATEPROC, glBlendEquationSeparate)(GL_FUNC_SUBTRACT, GL_MAX);
+    if (buffers_blend()) {
+        typedef void(GL_APIENTRY * set_equation)(GLuint, GLenum, GLenum);
+        typedef void(GL_APIENTRY * set_function)(GLuint, GLenum, GLenum, GLenum, GLenum);
+        GL(set_equation, glBlendEquationSeparatei)(1, GL_FUNC_REVERSE_SUBTRACT, GL_MIN);
+        GL(set_function, glBlendFuncSeparatei)(1, GL_ZERO, GL_ONE, GL_ZERO, GL_SRC_ALPHA);
+    }
     GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_ROW_LENGTH, 77);
     GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_SKIP_ROWS, 3);
     GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_ALIGNMENT, 1);
@@ -363,8 +377,12 @@ static void state_is_kept(void **state) {
     (void)state;
     GLint before[DUMP], after[DUMP];
     gl_scene g = gl_scene_make(90, 50, GL_RGBA32F, 3);
-    float *plain = fenced(90 * 50 * 16, true), *disturbed = fenced(90 * 50 * 16, true);
+    float *plain = fenced(90 * 50 * 16, true), *disturbed = fenced(90 * 50 * 16, true),
+          *drawn = fenced(90 * 50 * 16, true);
     ddof_gl *gl = create();
+    const ddof_settings full = kind_of(SOLVERS + 1);
+    render_gl(gl, &g, &full, NULL);
+    read_back(g.frame.output, 90, 50, drawn);
     render_gl(gl, &g, &(ddof_settings){0}, NULL);
     read_back(g.frame.output, 90, 50, plain);
     ddof_gl_destroy(&gl);
@@ -394,6 +412,14 @@ static void state_is_kept(void **state) {
     calm();
     read_back(g.frame.output, 90, 50, disturbed);
     assert_same_bits(disturbed, plain, 90 * 50 * 4, "rendered in a disturbed state");
+    gl = create();
+    disturb(&g);
+    render_gl(gl, &g, &full, NULL);
+    ddof_gl_destroy(&gl);
+    calm();
+    read_back(g.frame.output, 90, 50, disturbed);
+    assert_same_bits(disturbed, drawn, 90 * 50 * 4, "sprites drawn in a disturbed state");
+    fenced_free(drawn);
     fenced_free(plain);
     fenced_free(disturbed);
     gl_scene_free(&g);
