@@ -119,6 +119,8 @@ size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, boo
 size_t pipeline_iris_bytes(const frame_job *job); /* of ctx->iris, which is not part of it */
 /* x, y: of the part, in the picture of `job`. */
 void pipeline_inner(inner_job *inner, const frame_job *job, const ddof_image *part, const ddof_image *coc, int x, int y);
+/* Makes job.iris, of the context's, where the job asks for sprites. */
+ddof_status pipeline_iris(ddof_context *ctx, frame_job *job);
 /* One layer: by the method, and with the sprites, that the job asks for. */
 ddof_status pipeline_blur(ddof_context *ctx, frame_job *job, void *scratch);
 size_t pipeline_blur_bytes(const ddof_context *ctx, const frame_job *job);

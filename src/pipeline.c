@@ -113,8 +113,8 @@ ddof_status pipeline_blur(ddof_context *ctx, frame_job *job, void *scratch) {
     return b->diffuse(ctx, job, scratch);
 }
 
-/* Of the context; the image of an iris is read anew each time. */
-static ddof_status make_iris(ddof_context *ctx, frame_job *job) {
+/* The image of an iris is read anew each time. */
+ddof_status pipeline_iris(ddof_context *ctx, frame_job *job) {
     if (!wants_sprites(job)) return DDOF_OK;
     if (!ctx->iris) {
         ctx->iris = ctx->config.allocate(ctx->config.memory_user, sizeof *ctx->iris);
@@ -153,7 +153,7 @@ ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
         job->method = DDOF_METHOD_DIFFUSION;
         job->highlights = false;
     }
-    if (status == DDOF_OK) status = make_iris(ctx, job);
+    if (status == DDOF_OK) status = pipeline_iris(ctx, job);
     if (status == DDOF_OK) status = reserve(ctx, pipeline_scratch_bytes(ctx, job, coc_only));
     if (status != DDOF_OK) return status;
     context_stage(ctx, 0, 1);

@@ -95,7 +95,7 @@ DDOF_API const char *ddof_gl_error(const ddof_gl *gl);
 
 /* Issues the draws that blur frame->color into frame->output, and returns: the GPU may work on. Surfaces and programs
  * are made by the first frame of a size and kind, and kept. settings as for ddof_render(), but lens.focus must be
- * DDOF_FOCUS_DISTANCE. Holes are filled as there but not counted. stats may be NULL and is zeroed when the call fails.
+ * DDOF_FOCUS_DISTANCE. Holes are filled as there but not counted, and no more are sprites. stats may be NULL and is zeroed when the call fails.
  * Errors: INVALID (an argument; a texture of the wrong type), MEMORY, UNSUPPORTED (larger than GL's textures;
  * DDOF_KERNEL_DISC; layers), DEVICE
  * (the context was lost, or out of its memory: what `output` holds is no picture). A context lost while the GPU still
@@ -103,7 +103,8 @@ DDOF_API const char *ddof_gl_error(const ddof_gl *gl);
 DDOF_API ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings,
                                     ddof_gl_stats *stats);
 
-/* The bytes of surfaces that a frame of this size with these settings holds. Needs no context. Errors: INVALID. */
+/* The bytes of surfaces that a frame of this size, the whole picture, with these settings holds; fewer where GL adds up
+ * sprites in half floats (docs/gl.md). Needs no context. Errors: INVALID. */
 DDOF_API ddof_status ddof_gl_surface_bytes(int width, int height, const ddof_settings *settings, size_t *bytes);
 
 /* Deletes the surfaces kept between frames. */

@@ -36,8 +36,8 @@ float bokeh_visible(float p, float s) {
 
 // Of a disc, what lies on the near side of a line at a distance of `at` radii.
 float bokeh_segment(float at) {
-    float h = clamp(at, -1.0, 1.0);
-    return 0.5 + (h * sqrt(1.0 - h * h) + asin(h)) * 0.318309886;
+    float h = clamp(at, -1.0, 1.0), up = sqrt(1.0 - h * h);
+    return 0.5 + (h * up + atan(h, up)) * 0.318309886; // asin() of some drivers is only exact to 1e-4
 }
 
 // How much of a disc of this diameter around `pixel` lies in a picture of `size`; of an ellipse that is `aspect` times as tall.

@@ -120,6 +120,7 @@ static void gl_trim(ddof_context *ctx) {
     delete_images(b);
     gl_surfaces_delete(b->gl);
     gl_methods_delete(b->gl);
+    gl_sprites_delete(b->gl);
     leave(b);
 }
 
@@ -232,6 +233,7 @@ static ddof_status work_now(ddof_context *ctx, gl_backend *b, frame_job *job, st
     frame.half_output = format == GL_RGBA16F;
     frame.colors = color->alpha == DDOF_ALPHA_STRAIGHT ? color->channels - 1 : color->channels < 3 ? color->channels : 3;
     frame.gain = s->gain;
+    frame.holes = job->nonfinite_pixels > 0;
     for (GLuint i = 0; i < GL_UNITS; i++)
         b->gl->f.BindSampler(i, b->gl->sampler);
     b->gl->f.BindVertexArray(b->gl->vertex_array);
@@ -321,6 +323,17 @@ static ddof_status gl_hexagon(ddof_context *ctx, frame_job *job, void *scratch) 
     return gather(ctx, job, scratch, gl_hexagon_render);
 }
 
+/* ---- sprites */
+
+static ddof_status draw_and_count(ddof_gl *gl, const gl_frame *frame) {
+    const ddof_status status = gl_sprites_render(gl, frame);
+    return status == DDOF_OK ? gl_sprites_count(gl, frame) : status;
+}
+
+static ddof_status gl_scatter(ddof_context *ctx, frame_job *job, void *scratch) {
+    return run(ctx, job, scratch, draw_and_count);
+}
+
 /* ---- the CoC alone */
 
 static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
@@ -366,7 +379,7 @@ static ddof_status gl_coc_stage(ddof_context *ctx, frame_job *job, void *scratch
 
 static size_t gl_device_bytes(const ddof_context *ctx) {
     const gl_backend *b = ctx->device;
-    return b->gl ? b->gl->surfaces.bytes + b->gl->methods.bytes : 0;
+    return b->gl ? b->gl->surfaces.bytes + b->gl->methods.bytes + b->gl->sprites.bytes : 0;
 }
 
 static const char *gl_device(const ddof_context *ctx) {
@@ -417,6 +430,7 @@ const backend backend_gl = {
     .diffuse = gl_diffuse,
     .gaussian = gl_gaussian,
     .hexagon = gl_hexagon,
+    .sprites = gl_scatter,
     .device = gl_device,
     .open = gl_open,
     .close = gl_close,

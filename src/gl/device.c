@@ -4,6 +4,8 @@
 /* A ddof_gl comes and goes, and GL's complaints become sentences. */
 #include "device.h"
 
+#include "../cpu/engine.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -102,6 +104,7 @@ static ddof_status set_up(ddof_gl *gl, char *text, size_t size) {
     load_reset_status(gl, version);
     gl_device_clear_errors(gl);
     f->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_size);
+    gl->blends = has_extension(f, "GL_EXT_float_blend");
     make_objects(gl);
     if ((version < 32 && !has_extension(f, "GL_EXT_color_buffer_float")) || !renders_float(gl)) {
         snprintf(text, size, "this GL (%s) does not render to float textures: EXT_color_buffer_float is needed",
@@ -125,6 +128,9 @@ ddof_status gl_device_create(ddof_gl **out, const ddof_gl_config *config, ddof_c
     gl->owner = owner ? owner : &gl->shell;
     gl->shell.config.log = config->log;
     gl->shell.config.log_user = config->log_user;
+    gl->shell.config.allocate = config->allocate;
+    gl->shell.config.memory_user = config->memory_user;
+    gl->shell.kernels = cpu_kernels_pick(0);
     *out = gl;
     ddof_status status = set_up(gl, text, size);
     if (status != DDOF_OK) gl_device_destroy(out);
@@ -136,14 +142,17 @@ void gl_device_destroy(ddof_gl **out) {
     *out = NULL;
     if (gl->vertex_array) {
         gl_programs_delete(gl, &gl->programs);
+        gl_programs_delete(gl, &gl->methods.programs);
+        gl_programs_delete(gl, &gl->sprites.programs);
         gl_surfaces_delete(gl);
         gl_methods_delete(gl);
-        gl_programs_delete(gl, &gl->methods.programs);
+        gl_sprites_delete(gl);
         gl->f.DeleteFramebuffers(1, &gl->output);
         gl->f.DeleteFramebuffers(1, &gl->probe);
         gl->f.DeleteSamplers(1, &gl->sampler);
         gl->f.DeleteVertexArrays(1, &gl->vertex_array);
     }
+    if (gl->shell.iris) gl->config.release(gl->config.memory_user, gl->shell.iris);
     gl->config.release(gl->config.memory_user, gl);
 }
 

@@ -11,6 +11,7 @@
 #include "functions.h"
 #include "methods.h"
 #include "programs.h"
+#include "sprites.h"
 #include "surfaces.h"
 
 enum { GL_CONTEXT_WAS_LOST = 0x0507 }; /* an error of ES 3.2 and KHR_robustness */
@@ -28,6 +29,8 @@ struct ddof_gl {
     gl_programs programs;
     gl_surfaces surfaces;
     gl_methods methods;
+    gl_sprites sprites;
+    bool blends; /* floats of 32 bits, too */
     int64_t objects, draws;
     bool lost;
 };
@@ -40,6 +43,7 @@ typedef struct gl_frame {
     GLuint color, map; /* map: depth or CoC */
     GLuint output;
     bool alpha, half_output;
+    bool holes; /* there may be some */
     int colors; /* of the channels, how many are colour */
     float gain; /* what the colours are multiplied by */
 } gl_frame;

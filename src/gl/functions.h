@@ -71,6 +71,7 @@
     X(PFNGLUNIFORM2IPROC, Uniform2i)                                                                                   \
     X(PFNGLUNIFORM3FPROC, Uniform3f)                                                                                   \
     X(PFNGLUNIFORM4FPROC, Uniform4f)                                                                                   \
+    X(PFNGLUNIFORM4IVPROC, Uniform4iv)                                                                                 \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
     X(PFNGLVIEWPORTPROC, Viewport)
 

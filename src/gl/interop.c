@@ -49,19 +49,7 @@ ddof_status ddof_gl_trim(ddof_gl *gl) {
     if (!gl) return DDOF_ERROR_INVALID;
     gl->shell.error[0] = 0;
     gl_surfaces_delete(gl);
-    return DDOF_OK;
-}
-
-ddof_status ddof_gl_surface_bytes(int width, int height, const ddof_settings *settings, size_t *bytes) {
-    if (width < 1 || height < 1 || width > 1 << 20 || height > 1 << 20 || !settings || !bytes)
-        return DDOF_ERROR_INVALID;
-    if (settings->solver < DDOF_SOLVER_DEFAULT || settings->solver > DDOF_SOLVER_CR_PCR ||
-        settings->surface < DDOF_SURFACE_DEFAULT || settings->surface > DDOF_SURFACE_RGBA32F)
-        return DDOF_ERROR_INVALID;
-    const gl_layout layout = gl_layout_make(width, height, 1 << 30, settings);
-    gl_surfaces s;
-    gl_surfaces_plan(&s, &layout);
-    *bytes = s.bytes;
+    gl_sprites_delete(gl);
     return DDOF_OK;
 }
 
@@ -188,6 +176,26 @@ static ddof_frame described(const ddof_gl_frame *in) {
     return f;
 }
 
+ddof_status ddof_gl_surface_bytes(int width, int height, const ddof_settings *settings, size_t *bytes) {
+    if (width < 1 || height < 1 || width > 1 << 20 || height > 1 << 20 || !settings || !bytes)
+        return DDOF_ERROR_INVALID;
+    if (settings->solver < DDOF_SOLVER_DEFAULT || settings->solver > DDOF_SOLVER_CR_PCR ||
+        settings->surface < DDOF_SURFACE_DEFAULT || settings->surface > DDOF_SURFACE_RGBA32F)
+        return DDOF_ERROR_INVALID;
+    const ddof_frame frame = described(&(ddof_gl_frame){.width = width, .height = height});
+    frame_job job;
+    double distance;
+    if (bokeh_check(settings)) return DDOF_ERROR_INVALID;
+    pipeline_prepare(NULL, &job, &frame, settings, false, &distance);
+    const gl_layout layout = gl_layout_make(width, height, 1 << 30, settings);
+    gl_surfaces s;
+    gl_sprites sprites = {.bytes = 0};
+    gl_surfaces_plan(&s, &layout);
+    if (job.highlights || job.method == DDOF_METHOD_SCATTER) gl_sprites_plan(&sprites, &job, true, 1 << 30, true);
+    *bytes = (job.method == DDOF_METHOD_SCATTER ? 0 : s.bytes) + sprites.bytes;
+    return DDOF_OK;
+}
+
 static ddof_status check(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_settings *settings) {
     GLboolean active = GL_FALSE, paused = GL_FALSE;
     if (frame->width < 1 || frame->height < 1)
@@ -223,6 +231,7 @@ static ddof_status prepare(ddof_gl *gl, frame_job *job, const ddof_frame *descri
     if (status == DDOF_OK) status = check_settings(gl->owner, described_frame, settings);
     if (status == DDOF_OK) status = gl_check_solver(gl->owner, settings);
     if (status == DDOF_OK) status = pipeline_prepare(gl->owner, job, described_frame, settings, true, &distance);
+    if (status == DDOF_OK) status = pipeline_iris(gl->owner, job);
     return status;
 }
 
@@ -260,12 +269,15 @@ ddof_status ddof_gl_render(ddof_gl *gl, const ddof_gl_frame *frame, const ddof_s
                                .map = frame->depth.name ? frame->depth.name : frame->coc.name,
                                .output = frame->output.name,
                                .alpha = frame->channels != 3,
-                               .half_output = frame->output.format == GL_RGBA16F};
-        status = gl_solve(gl, &work);
+                               .half_output = frame->output.format == GL_RGBA16F,
+                               .holes = true,
+                               .colors = 3,
+                               .gain = 1};
+        status = job.iris ? gl_sprites_render(gl, &work) : gl_solve(gl, &work);
     }
     gl_state_restore(gl, &state);
     if (status == DDOF_OK && stats) {
-        stats->surface_bytes = gl->surfaces.bytes;
+        stats->surface_bytes = gl->surfaces.bytes + gl->sprites.bytes;
         stats->objects = gl->objects;
         stats->draws = gl->draws;
         stats->device = gl->renderer;

@@ -34,6 +34,59 @@ static void against_reference(void **state) {
     assert_null(gl);
 }
 
+/* What a frame of a solver or, from SOLVERS on, of sprites asks for. */
+enum { SOLVERS = 7, KINDS = SOLVERS + 4 };
+
+static ddof_settings kind_of(int k) {
+    if (k < SOLVERS) return (ddof_settings){.solver = (ddof_solver)k};
+    return (ddof_settings){.bokeh = k % 2 ? DDOF_BOKEH_HIGHLIGHTS : DDOF_BOKEH_FULL,
+                           .sprites = {.threshold = 0.9, .resolution = k % 4 < 2 ? DDOF_RESOLUTION_FULL : DDOF_RESOLUTION_HALF},
+                           .surface = DDOF_SURFACE_RGBA32F,
+                           .solver = DDOF_SOLVER_CR4};
+}
+
+/* Sprites in textures as in memory; where floats of 32 bits cannot be blended, sums are of half floats. */
+static void sprites(void **state) {
+    (void)state;
+    ddof_context *cpu = context_of(0, 1);
+    for (int halves = 0; halves < 2; halves++) {
+        ddof_gl *gl = create();
+        if (halves) {
+            ddof_gl_destroy(&gl);
+            tap.no_float_blend = true;
+            assert_int_equal(try_create(&gl), DDOF_OK);
+        }
+        for (int k = 0; k < 8; k++) {
+            gl_scene g = gl_scene_make(61 + k, 47, k % 3 ? GL_RGBA32F : GL_RGBA16F, (uint64_t)k);
+            const int w = g.s.width, h = g.s.height, n = w * h * 4;
+            ddof_settings settings = kind_of(SOLVERS + k % 4);
+            settings.iris = k < 4 ? (ddof_iris){.cats_eye = 0.4} : (ddof_iris){.shape = DDOF_IRIS_POLYGON, .blades = 6};
+            for (int i = 0; i < w * h; i += 41) /* also where holes are filled from around */
+                for (int c = 0; c < 4; c++) g.s.color[4 * i + c] = i % 2 ? 12 : NAN;
+            fill(g.frame.color, w, h, GL_RGBA, GL_FLOAT, g.s.color);
+            ddof_frame frame = scene_frame(&g.s);
+            if (k / 2 % 2) {
+                g.frame.channels = 3;
+                for (int i = 3; i < n; i += 4) g.s.color[i] = 1;
+            }
+            float *got = fenced((size_t)n * sizeof *got, true);
+            ddof_gl_stats stats;
+            render(cpu, &frame, &settings);
+            render_gl(gl, &g, &settings, &stats);
+            read_back(g.frame.output, w, h, got);
+            const double allowed = halves ? 2e-2 : k % 3 ? 2e-5 : 2e-3;
+            for (int i = 0; i < n; i++)
+                if (!(fabs((double)got[i] - g.s.output[i]) <= allowed * (1 + fabs((double)g.s.output[i]))))
+                    fail_msg("half floats %d, frame %d: value %d is %g, not %g", halves, k, i, got[i], g.s.output[i]);
+            assert_true(stats.surface_bytes > 0);
+            fenced_free(got);
+            gl_scene_free(&g);
+        }
+        ddof_gl_destroy(&gl);
+    }
+    DESTROY(cpu);
+}
+
 /* Every kind of depth texture gives what its values give as CoC or float depth. */
 static void depth_textures(void **state) {
     static const GLenum formats[] = {GL_R16F,
@@ -101,11 +154,13 @@ static void depth_textures(void **state) {
 /* GL makes nothing for a second frame, and what it makes for the first is what ddof_gl_surface_bytes() says. */
 static void second_frame(void **state) {
     (void)state;
-    for (int k = 0; k < 24; k++) {
+    for (int k = 0; k < 32; k++) {
         ddof_gl *gl = create();
         gl_scene g = gl_scene_make(133, 101, GL_RGBA16F, 9);
-        const ddof_settings settings = {
+        ddof_settings settings = {
             .solver = (ddof_solver)(k % 6 + 1), .shared_chain = k / 6 % 2, .surface = (ddof_surface)(k / 12 + 1)};
+        if (k >= 24) settings = kind_of(SOLVERS + k % 4);
+        if (k >= 28) settings.surface = DDOF_SURFACE_RGBA16F;
         ddof_gl_stats first, second;
         size_t said_bytes = 0;
         tap.bytes = 0;
@@ -207,6 +262,8 @@ static int dump(GLint *out) {
         GL_PACK_ROW_LENGTH,
         GL_UNPACK_ALIGNMENT,
         GL_UNPACK_ROW_LENGTH,
+        GL_UNPACK_SKIP_ROWS,
+        GL_UNPACK_SKIP_PIXELS,
         GL_READ_BUFFER,
         GL_DRAW_BUFFER0,
         GL_DRAW_BUFFER1,
@@ -268,7 +325,13 @@ static void disturb(const gl_scene *g) {
     GL(PFNGLSCISSORPROC, glScissor)(1, 2, 3, 4);
     GL(PFNGLCOLORMASKPROC, glColorMask)(GL_TRUE, GL_FALSE, GL_TRUE, GL_FALSE);
     GL(PFNGLBLENDFUNCPROC, glBlendFunc)(GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA);
+    GL(PFNGLBLENDEQUATIONSEPARATEPROC, glBlendEquationSeparate)(GL_FUNC_SUBTRACT, GL_MAX);
     GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_ROW_LENGTH, 77);
+    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_SKIP_ROWS, 3);
+    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_ALIGNMENT, 1);
+    GLuint buffer;
+    GL(PFNGLGENBUFFERSPROC, glGenBuffers)(1, &buffer);
+    GL(PFNGLBINDBUFFERPROC, glBindBuffer)(GL_PIXEL_UNPACK_BUFFER, buffer);
 }
 
 static void calm(void) {
@@ -285,6 +348,9 @@ static void calm(void) {
         GL(PFNGLDISABLEPROC, glDisable)(caps[i]);
     GL(PFNGLCOLORMASKPROC, glColorMask)(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_ROW_LENGTH, 0);
+    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_SKIP_ROWS, 0);
+    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_UNPACK_ALIGNMENT, 4);
+    GL(PFNGLBINDBUFFERPROC, glBindBuffer)(GL_PIXEL_UNPACK_BUFFER, 0);
     for (GLuint u = 0; u < UNITS; u++)
         GL(PFNGLBINDSAMPLERPROC, glBindSampler)(u, 0);
     GL(PFNGLACTIVETEXTUREPROC, glActiveTexture)(GL_TEXTURE0);
@@ -305,8 +371,9 @@ static void state_is_kept(void **state) {
     gl = create();
     assert_int_equal(dump(after), n);
     assert_memory_equal(before, after, sizeof before);
-    for (int k = 0; k < 14; k++) { /* the first frame of a solver makes surfaces, the second does not */
-        const ddof_settings settings = {.solver = (ddof_solver)(k / 2), .shared_chain = k % 3 == 0};
+    for (int k = 0; k < 2 * KINDS; k++) { /* the first frame of a kind makes surfaces, the second does not */
+        ddof_settings settings = kind_of(k / 2);
+        settings.shared_chain = k % 3 == 0;
         render_gl(gl, &g, &settings, NULL);
         dump(after);
         for (int i = 0; i < n; i++)
@@ -358,6 +425,10 @@ static void debug_is_silent(void **state) {
             .solver = (ddof_solver)(k % 7), .shared_chain = k / 7 % 2, .surface = (ddof_surface)(k / 14 + 1)};
         render_gl(gl, &g, &settings, NULL);
     }
+    for (int k = SOLVERS; k < KINDS; k++) {
+        const ddof_settings settings = kind_of(k);
+        render_gl(gl, &g, &settings, NULL);
+    }
     ddof_gl_destroy(&gl);
     assert_int_equal(messages, 0);
     GL(PFNGLDISABLEPROC, glDisable)(0xFFFF); /* the callback does hear of errors */
@@ -370,7 +441,7 @@ static void debug_is_silent(void **state) {
 
 int main(void) {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_reference), cmocka_unit_test(depth_textures), cmocka_unit_test(second_frame),
+        cmocka_unit_test(against_reference), cmocka_unit_test(sprites),       cmocka_unit_test(depth_textures), cmocka_unit_test(second_frame),
         cmocka_unit_test(published_bytes),   cmocka_unit_test(state_is_kept),  cmocka_unit_test(debug_is_silent),
     };
     return run_with_session("gl interop", tests, COUNT(tests));

@@ -43,7 +43,7 @@ static GLuint create_shader(GLenum type) {
 static bool out_of_memory;
 
 static void tex_storage(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height) {
-    const size_t texel = format == GL_RGBA16F ? 8 : format == GL_R32F ? 4 : 16;
+    const size_t texel = format == GL_RGBA16F || format == GL_RG32F ? 8 : format == GL_R32F ? 4 : format == GL_R16F ? 2 : 16;
     tap.bytes += texel * (size_t)width * (size_t)height;
     if (++tap.textures == tap.memory_at) out_of_memory = true;
     GL(PFNGLTEXSTORAGE2DPROC, glTexStorage2D)(target, levels, format, width, height);
@@ -52,6 +52,11 @@ static void tex_storage(GLenum target, GLsizei levels, GLenum format, GLsizei wi
 static void draw_arrays(GLenum mode, GLint first, GLsizei count) {
     tap.calls++;
     GL(PFNGLDRAWARRAYSPROC, glDrawArrays)(mode, first, count);
+}
+
+static void draw_arrays_instanced(GLenum mode, GLint first, GLsizei count, GLsizei instances) {
+    tap.calls++;
+    GL(PFNGLDRAWARRAYSINSTANCEDPROC, glDrawArraysInstanced)(mode, first, count, instances);
 }
 
 static bool is_lost(void) {
@@ -88,6 +93,11 @@ static const GLubyte *get_string(GLenum name) {
     return GL(PFNGLGETSTRINGPROC, glGetString)(name);
 }
 
+static const GLubyte *get_stringi(GLenum name, GLuint index) {
+    const GLubyte *text = GL(PFNGLGETSTRINGIPROC, glGetStringi)(name, index);
+    return tap.no_float_blend && text && !strcmp((const char *)text, "GL_EXT_float_blend") ? (const GLubyte *)"" : text;
+}
+
 ddof_gl_function tap_get_proc(void *user, const char *name) {
     static const struct {
         const char *name;
@@ -101,6 +111,8 @@ ddof_gl_function tap_get_proc(void *user, const char *name) {
         {"glCreateShader", (ddof_gl_function)create_shader},
         {"glTexStorage2D", (ddof_gl_function)tex_storage},
         {"glDrawArrays", (ddof_gl_function)draw_arrays},
+        {"glDrawArraysInstanced", (ddof_gl_function)draw_arrays_instanced},
+        {"glGetStringi", (ddof_gl_function)get_stringi},
         {"glGetError", (ddof_gl_function)get_error},
         {"glGetGraphicsResetStatus", (ddof_gl_function)reset_status},
         {"glGetGraphicsResetStatusKHR", (ddof_gl_function)reset_status},

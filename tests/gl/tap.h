@@ -23,7 +23,7 @@ typedef struct gl_tap {
     int memory_at;              /* texture whose storage is refused; 0: none */
     int errors_asked, error_at; /* question for errors from which on the context is lost; 0: never */
     int textures;
-    bool no_extension, incomplete, small, silent_reset;
+    bool no_extension, no_float_blend, incomplete, small, silent_reset;
     const char *hidden; /* a function that is not there */
 } gl_tap;
 extern gl_tap tap;
