@@ -229,8 +229,8 @@ static ddof_status prepare(ddof_gl *gl, frame_job *job, const ddof_frame *descri
     double distance;
     ddof_status status = check_geometry(gl->owner, described_frame);
     if (status == DDOF_OK) status = check_settings(gl->owner, described_frame, settings);
-    if (status == DDOF_OK) status = gl_check_solver(gl->owner, settings);
     if (status == DDOF_OK) status = pipeline_prepare(gl->owner, job, described_frame, settings, true, &distance);
+    if (status == DDOF_OK && job->method == DDOF_METHOD_DIFFUSION) status = gl_check_solver(gl->owner, settings);
     if (status == DDOF_OK) status = pipeline_iris(gl->owner, job);
     return status;
 }

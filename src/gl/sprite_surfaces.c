@@ -8,16 +8,28 @@
 #include "device.h"
 #include "sprites.h"
 
-enum { TABLE_WIDTH = 1024, ROW_DIAMETER = IRIS_SUMS, ROW_EDGE, ROW_CATS, ROW_TEXEL, TABLE_HEIGHT = ROW_TEXEL + IRIS_TEXELS / TABLE_WIDTH + 1 };
+enum {
+    TABLE_WIDTH = 1024,
+    ROW_DIAMETER = IRIS_SUMS,
+    ROW_EDGE,
+    ROW_CATS,
+    ROW_TEXEL,
+    TABLE_HEIGHT = ROW_TEXEL + IRIS_TEXELS / TABLE_WIDTH + 1
+};
 
 static size_t texel_bytes(GLenum format) {
     switch (format) {
-    case GL_RGBA32F: return 16;
+    case GL_RGBA32F:
+        return 16;
     case GL_RGBA16F:
-    case GL_RG32F: return 8;
-    case GL_R32F: return 4;
-    case GL_R16F: return 2;
-    default: return 0;
+    case GL_RG32F:
+        return 8;
+    case GL_R32F:
+        return 4;
+    case GL_R16F:
+        return 2;
+    default:
+        return 0;
     }
 }
 
@@ -41,8 +53,8 @@ static sprite_layout layout_of(const frame_job *job, bool holes, bool blends) {
     return l;
 }
 
-/* The levels in one target: the first, below it the others in a row, below them the same again for the near sprites of FULL;
- * `beside`: all that turned on its side. */
+/* The levels in one target: the first, below it the others in a row, below them the same again for the near sprites of
+ * FULL; `beside`: all that turned on its side. */
 static gl_target place_levels(gl_sprites *s, bool beside) {
     const sprite_layout *l = &s->layout;
     int along = 0, across = 0;
@@ -89,7 +101,10 @@ void gl_sprites_plan(gl_sprites *s, const frame_job *job, bool holes, int max_si
     if (!l.full) s->rest = planned(s, l.width, l.height, color, 0);
     gl_target light = place_levels(s, false);
     if (light.height > max_size) light = place_levels(s, true);
-    s->light = planned(s, light.width, light.height, blends ? GL_RGBA32F : GL_RGBA16F, !l.full ? 0 : blends ? GL_R32F : GL_R16F);
+    s->light = planned(s, light.width, light.height, blends ? GL_RGBA32F : GL_RGBA16F,
+                       !l.full  ? 0
+                       : blends ? GL_R32F
+                                : GL_R16F);
     plan_fill(s, color);
     int w = l.width, h = l.height;
     do {
@@ -97,7 +112,8 @@ void gl_sprites_plan(gl_sprites *s, const frame_job *job, bool holes, int max_si
         h = (h + SPRITE_BLOCK - 1) / SPRITE_BLOCK;
         s->sums[s->sum_levels++] = planned(s, w, h, GL_RGBA32F, 0);
     } while ((w > SPRITE_BLOCK || h > SPRITE_BLOCK) && s->sum_levels < SPRITE_SUMS);
-    for (int i = 0; i < 2; i++) s->budget[i] = planned(s, 1, 1, GL_RGBA32F, 0);
+    for (int i = 0; i < 2; i++)
+        s->budget[i] = planned(s, 1, 1, GL_RGBA32F, 0);
     s->bytes += (size_t)TABLE_WIDTH * TABLE_HEIGHT * texel_bytes(GL_R32F);
 }
 
@@ -107,8 +123,10 @@ static int targets(gl_sprites *s, gl_target *out[SPRITE_TARGETS]) {
     out[n++] = &s->pixels;
     out[n++] = &s->rest;
     out[n++] = &s->light;
-    for (int i = 0; i < SPRITE_SUMS; i++) out[n++] = &s->sums[i];
-    for (int i = 0; i < 2; i++) out[n++] = &s->budget[i];
+    for (int i = 0; i < SPRITE_SUMS; i++)
+        out[n++] = &s->sums[i];
+    for (int i = 0; i < 2; i++)
+        out[n++] = &s->budget[i];
     for (int i = 0; i < SPRITE_FILLS; i++) {
         out[n++] = &s->filled_from[i];
         out[n++] = &s->filled_to[i];
@@ -137,9 +155,10 @@ ddof_status gl_sprites_make(ddof_gl *gl, const frame_job *job, bool holes) {
     if (s->light.width > gl->max_size || s->light.height > gl->max_size) {
         const int width = s->light.width, height = s->light.height;
         gl_sprites_delete(gl);
-        return context_fail(gl->owner, DDOF_ERROR_UNSUPPORTED,
-                            "the sprites need a surface of %d x %d, and this GL (%s) allows %d: let sprites.resolution be half",
-                            width, height, gl->renderer, gl->max_size);
+        return context_fail(
+            gl->owner, DDOF_ERROR_UNSUPPORTED,
+            "the sprites need a surface of %d x %d, and this GL (%s) allows %d: let sprites.resolution be half", width,
+            height, gl->renderer, gl->max_size);
     }
     gl->f.ActiveTexture(GL_TEXTURE0);
     gl_target *all[SPRITE_TARGETS];
@@ -164,17 +183,21 @@ void gl_sprites_fill_table(ddof_gl *gl, const iris *from) {
     gl_sprites *s = &gl->sprites;
     const gl_functions *f = &gl->f;
     float edge[BOKEH_BINS + 1];
-    const bool image = from->shape.kind == DDOF_IRIS_IMAGE, same = s->filled && !memcmp(&s->shape, &from->shape, sizeof s->shape);
+    const bool image = from->shape.kind == DDOF_IRIS_IMAGE,
+               same = s->filled && !memcmp(&s->shape, &from->shape, sizeof s->shape);
     if (same && !image) return;
-    for (int bin = 0; bin < BOKEH_BINS; bin++) edge[bin] = bokeh_edge(bin, 1);
+    for (int bin = 0; bin < BOKEH_BINS; bin++)
+        edge[bin] = bokeh_edge(bin, 1);
     edge[BOKEH_BINS] = INFINITY; /* as bokeh_raise() */
     gl_bind(f, SPRITE_UNIT_TABLE, s->table);
-    for (int i = 0; i < IRIS_SUMS; i++) fill_row(f, i, IRIS_NODES, from->inverse_sum[i]);
+    for (int i = 0; i < IRIS_SUMS; i++)
+        fill_row(f, i, IRIS_NODES, from->inverse_sum[i]);
     fill_row(f, ROW_DIAMETER, IRIS_NODES, from->diameter);
     fill_row(f, ROW_EDGE, BOKEH_BINS + 1, edge);
     fill_row(f, ROW_CATS, IRIS_CATS, from->cats_gain);
     for (int i = 0; i < IRIS_TEXELS && image; i += TABLE_WIDTH)
-        fill_row(f, ROW_TEXEL + i / TABLE_WIDTH, IRIS_TEXELS - i < TABLE_WIDTH ? IRIS_TEXELS - i : TABLE_WIDTH, from->texel + i);
+        fill_row(f, ROW_TEXEL + i / TABLE_WIDTH, IRIS_TEXELS - i < TABLE_WIDTH ? IRIS_TEXELS - i : TABLE_WIDTH,
+                 from->texel + i);
     s->shape = from->shape;
     s->filled = true;
 }

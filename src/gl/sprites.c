@@ -64,18 +64,20 @@ enum {
 
 /* Up to the lens those of solver.c. */
 static const char *const uniform_name[S_UNIFORMS] = {
-    "depth_linear", "depth_axis",  "lens_curve",     "lens_limit", "size",         "colors",      "threshold",   "largest",
-    "summed",       "most",        "final",          "first_row",  "first_level",  "levels",      "place",       "second",
-    "screen",       "cats_eye",    "iris_blades",    "iris_curvature", "iris_edge", "iris_squeeze", "iris_aspect", "iris_fringe",
-    "iris_reach",   "iris_turn",
+    "depth_linear", "depth_axis",  "lens_curve",  "lens_limit", "size",        "colors",         "threshold",
+    "largest",      "summed",      "most",        "final",      "first_row",   "first_level",    "levels",
+    "place",        "second",      "screen",      "cats_eye",   "iris_blades", "iris_curvature", "iris_edge",
+    "iris_squeeze", "iris_aspect", "iris_fringe", "iris_reach", "iris_turn",
 };
 
 enum { UNIT_CANDIDATE = 2, UNIT_BUDGET, UNIT_TABLE = SPRITE_UNIT_TABLE, UNIT_SUM };
-enum { UNIT_WEIGHT = UNIT_BUDGET }; /* of the last pass */
+enum { UNIT_WEIGHT = UNIT_BUDGET };                                      /* of the last pass */
 enum { UNIT_ABOVE = 2, UNIT_ABOVE_KNOWN, UNIT_FILLED, UNIT_FILLED_COC }; /* of those that fill */
 
-static const char *const sampler_name[GL_UNITS] = {"color_map", "coc_map", "candidate_map", "budget_map", "table_map", "sum_map"};
-static const char *const lay_sampler_name[GL_UNITS] = {"color_map", "coc_map", "candidate_map", "weight_map", "table_map", "sum_map"};
+static const char *const sampler_name[GL_UNITS] = {"color_map",  "coc_map",   "candidate_map",
+                                                   "budget_map", "table_map", "sum_map"};
+static const char *const lay_sampler_name[GL_UNITS] = {"color_map",  "coc_map",   "candidate_map",
+                                                       "weight_map", "table_map", "sum_map"};
 static const char *const fill_sampler_name[GL_UNITS] = {"color_map",       "coc_map",    "above_map",
                                                         "above_known_map", "filled_map", "filled_coc_map"};
 
@@ -83,7 +85,7 @@ static const char *const fill_sampler_name[GL_UNITS] = {"color_map",       "coc_
 
 typedef struct variant {
     sprite_pass pass;
-    int depth, iris; /* as in gl_variant; iris: ddof_iris_shape */
+    int depth, iris;                            /* as in gl_variant; iris: ddof_iris_shape */
     bool full, alpha, to_half, fringe, picture; /* picture: of the passes that fill */
 } variant;
 
@@ -106,10 +108,13 @@ static const gl_program *program_of(ddof_gl *gl, const variant *v, ddof_status *
     gl_source source = {.name = pass_file[v->pass],
                         .vertex_name = draws ? "gl/sprite_vertex.glsl" : "gl/triangle.glsl",
                         .vertex = {shader_text("gl/triangle.glsl")},
-                        .fragment = {defines, coc, shader_text("include/row.glsl"), shader_text("include/pack.glsl"), bokeh,
-                                     shared, shape, iris_text, shader_text("gl/written.glsl"), shader_text(pass_file[v->pass])},
+                        .fragment = {defines, coc, shader_text("include/row.glsl"), shader_text("include/pack.glsl"),
+                                     bokeh, shared, shape, iris_text, shader_text("gl/written.glsl"),
+                                     shader_text(pass_file[v->pass])},
                         .uniforms = uniform_name,
-                        .samplers = v->pass == PASS_LAY ? lay_sampler_name : v->pass > PASS_LAY ? fill_sampler_name : sampler_name,
+                        .samplers = v->pass == PASS_LAY  ? lay_sampler_name
+                                    : v->pass > PASS_LAY ? fill_sampler_name
+                                                         : sampler_name,
                         .uniform_count = S_UNIFORMS,
                         .sampler_count = GL_UNITS};
     const char *const vertex[] = {defines, coc, bokeh, shared, shape, iris_text, shader_text("gl/sprite_vertex.glsl")};
@@ -131,7 +136,13 @@ typedef struct work {
 
 static work work_of(ddof_gl *gl, const gl_frame *frame) {
     gl_sprites *s = &gl->sprites;
-    return (work){.gl = gl, .frame = frame, .s = s, .limits = bokeh_limits_of(frame->job), .color = frame->color, .coc = s->pixels.texture[0], .budget = s->budget[0].texture[0]};
+    return (work){.gl = gl,
+                  .frame = frame,
+                  .s = s,
+                  .limits = bokeh_limits_of(frame->job),
+                  .color = frame->color,
+                  .coc = s->pixels.texture[0],
+                  .budget = s->budget[0].texture[0]};
 }
 
 static variant variant_of(const work *w, sprite_pass pass) {
@@ -221,8 +232,8 @@ static void pass(work *w, sprite_pass which, GLuint framebuffer) {
 
 /* ---- holes */
 
-/* A level is `from` sums and weights of what is known there, and filled `to` what it lacks. Of the picture the first are its colour
- * and CoC. */
+/* A level is `from` sums and weights of what is known there, and filled `to` what it lacks. Of the picture the first
+ * are its colour and CoC. */
 static void fill_level(work *w, sprite_pass which, const gl_target *read, const gl_target *to, const gl_target *above) {
     const gl_functions *f = &w->gl->f;
     const gl_sprites *s = w->s;
@@ -246,11 +257,13 @@ static void fill_level(work *w, sprite_pass which, const gl_target *read, const 
 static void fill_holes(work *w) {
     gl_sprites *s = w->s;
     for (w->fill = 1; w->fill <= s->fills; w->fill++)
-        fill_level(w, PASS_PUSH, w->fill == 1 ? &s->pixels : &s->filled_from[w->fill - 1], &s->filled_from[w->fill], NULL);
+        fill_level(w, PASS_PUSH, w->fill == 1 ? &s->pixels : &s->filled_from[w->fill - 1], &s->filled_from[w->fill],
+                   NULL);
     w->fill = s->fills;
     fill_level(w, PASS_TOP, &s->filled_from[s->fills], &s->filled_to[s->fills], NULL);
     for (w->fill = s->fills - 1; w->fill >= 0; w->fill--)
-        fill_level(w, PASS_PULL, w->fill ? &s->filled_from[w->fill] : &s->pixels, &s->filled_to[w->fill], &s->filled_from[w->fill + 1]);
+        fill_level(w, PASS_PULL, w->fill ? &s->filled_from[w->fill] : &s->pixels, &s->filled_to[w->fill],
+                   &s->filled_from[w->fill + 1]);
     w->color = s->filled_to[0].texture[0];
     w->coc = s->filled_to[0].texture[1];
 }
@@ -274,7 +287,8 @@ static void count(work *w, bool final) {
     }
 }
 
-/* All bins at first, then nine times half of what is left of 512; an even number, so that the first texture has the last word. */
+/* All bins at first, then nine times half of what is left of 512; an even number, so that the first texture has the
+ * last word. */
 enum { TESTS = 10 };
 
 static void find_threshold(work *w) {
@@ -323,7 +337,8 @@ static void lay(work *w) {
     if (gl_attach_output(w->gl, w->frame->output))
         pass(w, PASS_LAY, w->gl->output);
     else
-        w->status = context_fail(w->gl->owner, DDOF_ERROR_INVALID, "frame.output: this GL cannot render to that texture");
+        w->status =
+            context_fail(w->gl->owner, DDOF_ERROR_INVALID, "frame.output: this GL cannot render to that texture");
     gl_detach_output(w->gl);
 }
 
@@ -364,7 +379,8 @@ ddof_status gl_sprites_count(ddof_gl *gl, const gl_frame *frame) {
     gl->f.BindFramebuffer(GL_READ_FRAMEBUFFER, last->framebuffer);
     gl->f.ReadPixels(0, 0, last->width, last->height, GL_RGBA, GL_FLOAT, sums);
     const ddof_status status = gl_device_check(gl);
-    for (int i = 0; i < last->width * last->height * 4 && status == DDOF_OK; i++) sum[i % 4] += (double)sums[i];
+    for (int i = 0; i < last->width * last->height * 4 && status == DDOF_OK; i++)
+        sum[i % 4] += (double)sums[i];
     frame->job->sprites = (int64_t)sum[0];
     if (!frame->job->highlights) return status;
     frame->job->sprites_dropped = (int64_t)(sum[2] - sum[0]);

@@ -17,7 +17,8 @@ static const GLenum caps[STATE_CAPS] = {
 };
 
 static const GLenum blendings[STATE_BLENDS] = {
-    GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA,
+    GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB,
+    GL_BLEND_DST_RGB,      GL_BLEND_SRC_ALPHA,      GL_BLEND_DST_ALPHA,
 };
 
 static const struct {
@@ -42,8 +43,10 @@ void gl_state_save(const ddof_gl *gl, gl_state *s) {
         s->cap[i] = f->IsEnabled(caps[i]);
     f->GetBooleanv(GL_COLOR_WRITEMASK, s->mask);
     f->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);
-    for (int i = 0; i < STATE_UNPACKS; i++) f->GetIntegerv(unpacks[i].name, &s->unpack[i]);
-    for (int i = 0; i < STATE_BLENDS; i++) f->GetIntegerv(blendings[i], &s->blending[0][i]);
+    for (int i = 0; i < STATE_UNPACKS; i++)
+        f->GetIntegerv(unpacks[i].name, &s->unpack[i]);
+    for (int i = 0; i < STATE_BLENDS; i++)
+        f->GetIntegerv(blendings[i], &s->blending[0][i]);
     s->buffers = 0;
     if (!f->Enablei) return;
     GLint most = 0;
@@ -52,7 +55,8 @@ void gl_state_save(const ddof_gl *gl, gl_state *s) {
     for (GLuint i = 0; i < (GLuint)s->buffers; i++) {
         s->blend[i] = f->IsEnabledi(GL_BLEND, i);
         f->GetBooleani_v(GL_COLOR_WRITEMASK, i, s->buffer_mask[i]);
-        for (int k = 0; k < STATE_BLENDS; k++) f->GetIntegeri_v(blendings[k], i, &s->blending[i][k]);
+        for (int k = 0; k < STATE_BLENDS; k++)
+            f->GetIntegeri_v(blendings[k], i, &s->blending[i][k]);
     }
 }
 
@@ -63,7 +67,8 @@ void gl_state_set(const ddof_gl *gl) {
     f->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     f->BindVertexArray(gl->vertex_array);
     f->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    for (int i = 0; i < STATE_UNPACKS; i++) f->PixelStorei(unpacks[i].name, unpacks[i].set);
+    for (int i = 0; i < STATE_UNPACKS; i++)
+        f->PixelStorei(unpacks[i].name, unpacks[i].set);
     /* A sampler object of our own: the caller's filters could make a texture incomplete. */
     for (GLuint i = 0; i < GL_UNITS; i++)
         f->BindSampler(i, gl->sampler);
@@ -99,7 +104,8 @@ void gl_state_restore(const ddof_gl *gl, const gl_state *s) {
         f->BlendFuncSeparatei(i, (GLenum)b[2], (GLenum)b[3], (GLenum)b[4], (GLenum)b[5]);
     }
     f->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)s->unpack_buffer);
-    for (int i = 0; i < STATE_UNPACKS; i++) f->PixelStorei(unpacks[i].name, s->unpack[i]);
+    for (int i = 0; i < STATE_UNPACKS; i++)
+        f->PixelStorei(unpacks[i].name, s->unpack[i]);
     f->BindVertexArray((GLuint)s->vertex_array);
     f->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)s->framebuffer);
     f->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);

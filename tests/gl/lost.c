@@ -43,30 +43,29 @@ ddof_gl_function __wrap_egl_get_proc(void *user, const char *name) {
     return real;
 }
 
-static void lost(void **state) {
-    (void)state;
+static void lose(const ddof_settings *settings) {
     enum { W = 70, H = 50, N = W * H * 4 };
     rng r = {1};
     scene s = scene_fill(W, H, COC_SMOOTH, COLOR_RANDOM, &r);
     float *right = fenced(N * sizeof *right, true);
     ddof_frame frame = scene_frame(&s);
     ddof_context *ctx = gl_context();
-    render(ctx, &frame, &(ddof_settings){0});
+    render(ctx, &frame, settings);
     memcpy(right, s.output, N * sizeof *right);
     tap.looks = 0;
-    render(ctx, &frame, &(ddof_settings){0});
+    render(ctx, &frame, settings);
     const int looks = tap.looks;
     assert_true(looks > 4);
     for (int at = 1; at <= looks; at++) {
         ddof_stats stats;
         tap.looks = 0;
         tap.lost_at = at;
-        assert_int_equal(ddof_render(ctx, &frame, &(ddof_settings){0}, &stats), DDOF_ERROR_DEVICE);
+        assert_int_equal(ddof_render(ctx, &frame, settings, &stats), DDOF_ERROR_DEVICE);
         assert_non_null(strstr(ddof_error(ctx), "lost"));
         assert_null(stats.device);
         tap.lost_at = 0;
         memset(s.output, 0, N * sizeof *s.output);
-        render(ctx, &frame, &(ddof_settings){0});
+        render(ctx, &frame, settings);
         assert_same_bits(s.output, right, N, "after a context lost at %d", at);
     }
     DESTROY(ctx);
@@ -74,7 +73,18 @@ static void lost(void **state) {
     scene_free(&s);
 }
 
+static void lost(void **state) {
+    (void)state;
+    lose(&(ddof_settings){0});
+}
+
+static void lost_with_sprites(void **state) {
+    (void)state;
+    lose(&(ddof_settings){.bokeh = DDOF_BOKEH_HIGHLIGHTS, .sprites = {.threshold = 0.9}});
+    lose(&(ddof_settings){.bokeh = DDOF_BOKEH_FULL});
+}
+
 int main(void) {
-    static const struct CMUnitTest tests[] = {cmocka_unit_test(lost)};
+    static const struct CMUnitTest tests[] = {cmocka_unit_test(lost), cmocka_unit_test(lost_with_sprites)};
     return run_gpu_tests("gl lost", tests, COUNT(tests), gl_missing());
 }

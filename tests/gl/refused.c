@@ -146,14 +146,16 @@ static void lost_context(void **state) {
 static void out_of_texture_memory(void **state) {
     (void)state;
     gl_scene g = gl_scene_make(50, 40, GL_RGBA16F, 11);
-    for (int at = 1; at < 12; at++) {
-        ddof_gl *gl = create();
-        tap.textures = 0;
-        tap.memory_at = at;
-        refused(gl, &g.frame, &(ddof_settings){0}, DDOF_ERROR_DEVICE, "memory");
-        render_gl(gl, &g, &(ddof_settings){0}, NULL); /* it may go better next time */
-        ddof_gl_destroy(&gl);
-    }
+    for (int bokeh = DDOF_BOKEH_OFF; bokeh <= DDOF_BOKEH_FULL; bokeh++)
+        for (int at = 1; at < 12; at++) {
+            const ddof_settings settings = {.bokeh = (ddof_bokeh)bokeh};
+            ddof_gl *gl = create();
+            tap.textures = 0;
+            tap.memory_at = at;
+            refused(gl, &g.frame, &settings, DDOF_ERROR_DEVICE, "memory");
+            render_gl(gl, &g, &settings, NULL); /* it may go better next time */
+            ddof_gl_destroy(&gl);
+        }
     gl_scene_free(&g);
 }
 

@@ -1,15 +1,15 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Sprites of ddof_render() on GL against those of the CPU: the same pixels, the same shapes, the same light. What is allowed
- * is stated as a part of 1 + |value|: the pictures are 0 to 1 but for the highlights. */
+/* Sprites of ddof_render() on GL against those of the CPU: the same pixels, the same shapes, the same light. What is
+ * allowed is stated as a part of 1 + |value|: the pictures are 0 to 1 but for the highlights. */
 #include <math.h>
 #include <string.h>
 
 #include "support.h"
 
-/* With rgba32f and a solver that does not pack: float rounding, here and there. Half floats: two of their steps, and what
- * the solver promises. */
+/* With rgba32f and a solver that does not pack: float rounding, here and there. Half floats: two of their steps, and
+ * what the solver promises. */
 static double allowed_of(const ddof_settings *settings) {
     return settings->surface == DDOF_SURFACE_RGBA32F ? 2e-5 : 3e-3;
 }
@@ -30,8 +30,8 @@ static void contexts_free(contexts *c) {
 }
 
 /* Renders on both; `value` divides what is compared. */
-static ddof_stats compare_by(const contexts *c, const ddof_frame *frame, const ddof_settings *settings, double value, double allowed,
-                             const char *what) {
+static ddof_stats compare_by(const contexts *c, const ddof_frame *frame, const ddof_settings *settings, double value,
+                             double allowed, const char *what) {
     const int width = frame->color.width, height = frame->color.height, channels = frame->color.channels;
     const size_t n = (size_t)width * (size_t)height;
     float *want = fenced(n * 16, true);
@@ -42,9 +42,10 @@ static ddof_stats compare_by(const contexts *c, const ddof_frame *frame, const d
     for (size_t i = 0; i < n * (size_t)channels; i++) {
         const double x = got[i] / value, y = want[i] / value;
         if (!(fabs(x - y) <= allowed * (1 + fabs(y))))
-            fail_msg("%s, bokeh %d, resolution %d, surface %d: pixel %d, %d, channel %d of %d x %d: %.9g, not %.9g", what,
-                     settings->bokeh, settings->sprites.resolution, settings->surface, (int)(i / (size_t)channels) % width,
-                     (int)(i / (size_t)channels) / width, (int)(i % (size_t)channels), width, height, x, y);
+            fail_msg("%s, bokeh %d, resolution %d, surface %d: pixel %d, %d, channel %d of %d x %d: %.9g, not %.9g",
+                     what, settings->bokeh, settings->sprites.resolution, settings->surface,
+                     (int)(i / (size_t)channels) % width, (int)(i / (size_t)channels) / width,
+                     (int)(i % (size_t)channels), width, height, x, y);
     }
     assert_int_equal(b.sprites, a.sprites);
     assert_int_equal(b.sprites_dropped, a.sprites_dropped);
@@ -67,32 +68,41 @@ enum { MAPS = 5 };
 
 static float coc_of(int map, int x, int y, int width, int height) {
     switch (map) {
-    case 0: return 17.3f;
-    case 1: return -11.6f;
-    case 2: return -18.0f + 50.0f * (float)x / (float)width + 3.0f * (float)y / (float)height;
-    case 3: return x > width / 2 ? 21.5f : -9.1f;
-    default: return (float)(300 * (x + 0.5) / width - 150);
+    case 0:
+        return 17.3f;
+    case 1:
+        return -11.6f;
+    case 2:
+        return -18.0f + 50.0f * (float)x / (float)width + 3.0f * (float)y / (float)height;
+    case 3:
+        return x > width / 2 ? 21.5f : -9.1f;
+    default:
+        return (float)(300 * (x + 0.5) / width - 150);
     }
 }
 
 static void add_light(scene *s, int x, int y, float v) {
-    for (int c = 0; c < 3; c++) s->color[4 * ((ptrdiff_t)y * s->width + x) + c] = v * (1 - 0.2f * (float)c);
+    for (int c = 0; c < 3; c++)
+        s->color[4 * ((ptrdiff_t)y * s->width + x) + c] = v * (1 - 0.2f * (float)c);
 }
 
 /* A dim picture with lights: points, and blocks of 3 x 3 whose middle is the brightest. */
 static scene lights(int width, int height, int map, int count, rng *r) {
     scene s = scene_make(width, height, rng_bits(r) & 1);
     fill_color(s.color, width, height, COLOR_RANDOM, r);
-    for (int i = 0; i < width * height * 4; i++) s.color[i] *= 0.9f;
+    for (int i = 0; i < width * height * 4; i++)
+        s.color[i] *= 0.9f;
     for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) s.coc[(ptrdiff_t)y * width + x] = coc_of(map, x, y, width, height);
+        for (int x = 0; x < width; x++)
+            s.coc[(ptrdiff_t)y * width + x] = coc_of(map, x, y, width, height);
     for (int i = 0; i < count; i++) {
         const int x = rng_range(r, 0, width - 1), y = rng_range(r, 0, height - 1), wide = i % 3 == 0;
         const float v = (float)(5 + 200 * rng_unit(r));
         for (int dy = -wide; dy <= wide; dy++)
             for (int dx = -wide; dx <= wide; dx++) {
                 const int u = x + dx, w = y + dy;
-                if (u < 0 || w < 0 || u >= width || w >= height || fabsf(s.coc[(ptrdiff_t)w * width + u]) < CLEAR) continue;
+                if (u < 0 || w < 0 || u >= width || w >= height || fabsf(s.coc[(ptrdiff_t)w * width + u]) < CLEAR)
+                    continue;
                 add_light(&s, u, w, dx || dy ? v * 0.7f : v);
             }
     }
@@ -110,7 +120,8 @@ enum { IRISES = 9 };
 
 /* `image`: 24 x 17. */
 static void irises(named_iris out[IRISES], float *image) {
-    for (int i = 0; i < 24 * 17; i++) image[i] = (float)(i % 24 + i / 24 * 2) * (i / 24 > 7 ? 1.0f : 0.2f);
+    for (int i = 0; i < 24 * 17; i++)
+        image[i] = (float)(i % 24 + i / 24 * 2) * (i / 24 > 7 ? 1.0f : 0.2f);
     const ddof_image described = ddof_image_interleaved(image, 24, 17, 1, DDOF_FLOAT, 0);
     const named_iris all[IRISES] = {
         {"disc", {.shape = DDOF_IRIS_DISC}},
@@ -121,7 +132,15 @@ static void irises(named_iris out[IRISES], float *image) {
         {"edge", {.edge = 0.7}},
         {"squeeze", {.squeeze = 1.7}},
         {"fringe", {.fringe = 0.3}},
-        {"all", {.shape = DDOF_IRIS_POLYGON, .blades = 6, .rotation = 11, .curvature = 0.2, .edge = -0.4, .cats_eye = 0.5, .squeeze = 1.3, .fringe = -0.2}},
+        {"all",
+         {.shape = DDOF_IRIS_POLYGON,
+          .blades = 6,
+          .rotation = 11,
+          .curvature = 0.2,
+          .edge = -0.4,
+          .cats_eye = 0.5,
+          .squeeze = 1.3,
+          .fringe = -0.2}},
     };
     memcpy(out, all, sizeof all);
 }
@@ -221,7 +240,8 @@ static void none_and_one(void **state) {
 
 /* Far more than there may be: by number, by area, and both; the threshold rises as on the CPU. */
 static void many(void **state) {
-    static const ddof_sprites limits[] = {{.max_sprites = 1000}, {.max_area = 1}, {.max_sprites = 2000, .max_area = 2}, {.max_sprites = 1}};
+    static const ddof_sprites limits[] = {
+        {.max_sprites = 1000}, {.max_area = 1}, {.max_sprites = 2000, .max_area = 2}, {.max_sprites = 1}};
     (void)state;
     rng r = {305};
     contexts c = contexts_make();
@@ -251,7 +271,8 @@ static void equals(void **state) {
     rng r = {306};
     contexts c = contexts_make();
     scene s = lights(90, 60, 0, 0, &r);
-    for (int i = 0; i < 90 * 60; i++) add_light(&s, i % 90, i / 90, 8);
+    for (int i = 0; i < 90 * 60; i++)
+        add_light(&s, i % 90, i / 90, 8);
     ddof_frame frame = scene_frame(&s);
     ddof_settings settings = exact;
     settings.bokeh = DDOF_BOKEH_HIGHLIGHTS;
@@ -290,7 +311,8 @@ static void brightness(void **state) {
     for (double most = 1e-12; most < 1e13; most *= 1e4) {
         rng r = {308};
         scene s = lights(64, 48, 2, 20, &r);
-        for (int i = 0; i < 64 * 48 * 4; i++) s.color[i] *= (float)most;
+        for (int i = 0; i < 64 * 48 * 4; i++)
+            s.color[i] *= (float)most;
         ddof_frame frame = scene_frame(&s);
         ddof_settings settings = {.bokeh = DDOF_BOKEH_HIGHLIGHTS, .sprites = {.threshold = most}};
         const ddof_stats stats = compare_by(&c, &frame, &settings, most, 3e-3, "brightness");
@@ -314,7 +336,8 @@ static void images(void **state) {
         frame.output = ddof_image_interleaved(s.output, w, h, channels, DDOF_FLOAT, 0);
         if (k / 4 % 2 && channels % 2 == 0) {
             frame.color.alpha = DDOF_ALPHA_STRAIGHT;
-            for (int i = 0; i < w * h; i++) s.color[4 * i + channels - 1] = 0.5f + 0.5f * (float)rng_unit(&r);
+            for (int i = 0; i < w * h; i++)
+                s.color[4 * i + channels - 1] = 0.5f + 0.5f * (float)rng_unit(&r);
         }
         settings.bokeh = k / 8 ? DDOF_BOKEH_FULL : DDOF_BOKEH_HIGHLIGHTS;
         settings.iris = (ddof_iris){.cats_eye = 0.6, .fringe = 0.2};
@@ -325,7 +348,8 @@ static void images(void **state) {
             frame.offset_y = -10;
         }
         if (k / 4 % 2 == 0) { /* 1 to 9 m, focused at 2.5 */
-            for (int i = 0; i < w * h; i++) s.coc[i] = 1.0f + 8.0f * (float)(i % w) / w;
+            for (int i = 0; i < w * h; i++)
+                s.coc[i] = 1.0f + 8.0f * (float)(i % w) / w;
             frame.depth = frame.coc;
             frame.coc = (ddof_image){0};
             settings.lens = (ddof_lens){.focal_length = 85, .f_number = 1.4, .focus_distance = 2.5};
@@ -361,8 +385,9 @@ static void holes(void **state) {
 
 int main(void) {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shapes), cmocka_unit_test(maps),  cmocka_unit_test(sizes),      cmocka_unit_test(none_and_one), cmocka_unit_test(many),
-        cmocka_unit_test(equals), cmocka_unit_test(large), cmocka_unit_test(brightness), cmocka_unit_test(images),       cmocka_unit_test(holes),
+        cmocka_unit_test(shapes), cmocka_unit_test(maps),   cmocka_unit_test(sizes), cmocka_unit_test(none_and_one),
+        cmocka_unit_test(many),   cmocka_unit_test(equals), cmocka_unit_test(large), cmocka_unit_test(brightness),
+        cmocka_unit_test(images), cmocka_unit_test(holes),
     };
     return run_gpu_tests("gl sprites", tests, COUNT(tests), gl_missing());
 }

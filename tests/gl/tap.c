@@ -43,7 +43,10 @@ static GLuint create_shader(GLenum type) {
 static bool out_of_memory;
 
 static void tex_storage(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height) {
-    const size_t texel = format == GL_RGBA16F || format == GL_RG32F ? 8 : format == GL_R32F ? 4 : format == GL_R16F ? 2 : 16;
+    const size_t texel = format == GL_RGBA16F || format == GL_RG32F ? 8
+                         : format == GL_R32F                        ? 4
+                         : format == GL_R16F                        ? 2
+                                                                    : 16;
     tap.bytes += texel * (size_t)width * (size_t)height;
     if (++tap.textures == tap.memory_at) out_of_memory = true;
     GL(PFNGLTEXSTORAGE2DPROC, glTexStorage2D)(target, levels, format, width, height);
