@@ -1,0 +1,33 @@
+#version 450
+// SPDX-FileCopyrightText: 2026 The ddof authors
+// SPDX-License-Identifier: MIT
+
+// What of a sprite's light falls on a pixel; the blending adds it up.
+
+#define STATE readonly
+#define LIST readonly
+#include "sprites.glsl"
+#include "sprite_iris.glsl"
+
+layout(location = 0) flat in vec4 sprite_middle; // as in sprite_vertex.glsl
+layout(location = 1) flat in vec4 sprite_light;
+layout(location = 2) flat in vec4 sprite_mask;
+layout(location = 3) flat in ivec3 sprite_level;
+layout(location = 4) flat in vec2 sprite_cat;
+layout(location = 0) out vec4 light;
+layout(location = 1) out float weight;
+
+void main() {
+    ivec2 q = ivec2(gl_FragCoord.xy) - ivec2(0, int(sprite_middle.w));
+    vec2 offset = vec2(q) - sprite_middle.xy;
+    float d = sprite_middle.z, side = d < 0.0 ? -1.0 : 1.0;
+    vec3 mask = vec3(iris_mask(offset, sprite_mask.y, side, sprite_cat, sprite_level.y));
+    if (fringe != 0.0) {
+        mask.r = iris_mask(offset, sprite_mask.x, side, sprite_cat, sprite_level.x);
+        mask.b = iris_mask(offset, sprite_mask.z, side, sprite_cat, sprite_level.z);
+    }
+    if (mask == vec3(0.0)) discard;
+    mask *= bokeh_visible(coc_of(HALF_SIZE != 0 ? 2 * q : q), d);
+    light = sprite_light * mask.rgbg;
+    weight = sprite_mask.w * mask.g;
+}

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 The ddof authors
+// SPDX-License-Identifier: MIT
+
+// What the passes of the sprites share (src/vulkan/sprites.h, whose names these are): constants, push constants and what is bound.
+// Whoever includes this has said what of it is only read, by STATE and LIST: readonly, or nothing.
+
+#extension GL_EXT_samplerless_texture_functions : require
+
+layout(constant_id = 1) const int FULL = 0;      // every pixel out of focus; else highlights
+layout(constant_id = 2) const int DEPTH = 0;     // as in pass.glsl, as are the next two
+layout(constant_id = 3) const int ALPHA = 1;
+layout(constant_id = 4) const int TARGET_HALF = 0;
+layout(constant_id = 5) const int HALF_SIZE = 0; // of the picture that sprites are drawn into
+layout(constant_id = 6) const int ARGUMENTS = 0; // sprites are counted in the arguments of the draw
+layout(constant_id = 7) const int POINTS = 0;    // a sprite is a vertex; else an instance
+layout(constant_id = 8) const int REMAINDER = 0; // highlights: what is left of every pixel is written
+
+layout(push_constant) uniform Push {
+    vec4 lens_curve, depth_axis; // as in include/coc.glsl
+    vec2 depth_linear, lens_limit;
+    ivec2 color_place, map_place; // as in pass.glsl
+    int map_shift;
+    int width, height;            // of the picture
+    int target_width, target_height; // that sprites are drawn into; FULL: of each of its two parts
+    int colors;                   // channels that shine
+    float threshold, largest;     // largest |CoC|
+    uint most;                    // sprites
+    uint most_area_low, most_area_high; // sum of CoC^2, in 1/64 square pixels
+};
+
+layout(set = 0, binding = 0) uniform texture2D color_map;
+layout(set = 0, binding = 1) uniform texture2D coc_map;
+
+const int BINS = 512;
+
+layout(set = 0, binding = 4, std430) STATE buffer State {
+    uint arguments[4]; // of vkCmdDrawIndirect()
+    uint count, dropped, large;
+    float raised;      // threshold
+    int raised_bin;
+    uint unused[7];
+    uint bin_count[BINS], bin_area_low[BINS], bin_area_high[BINS];
+};
+
+// Of highlights two vectors a sprite: place and CoC, colour taken. FULL: places and CoC, one after the other.
+layout(set = 0, binding = 5, std430) LIST buffer List {
+    uvec2 list[];
+};
+
+layout(set = 0, binding = 6, std430) readonly buffer Tables {
+    int iris_kind;
+    float iris_blades, iris_curvature, iris_edge;
+    float cats_eye, iris_squeeze, fringe, iris_aspect;
+    vec2 iris_turn, middle; // middle: of the whole picture, in pixels of this one
+    float per_diagonal;     // half diagonals that a pixel width is
+    float spare[3];
+    float inverse_sum[833], cats_gain[65], texel[21824];
+};
+
+#include "../include/coc.glsl"
+#include "../include/bokeh.glsl"
+
+// Colour as diffusion takes it.
+vec4 color_of(ivec2 p) {
+    vec4 x = texelFetch(color_map, color_place + p, 0);
+    if (ALPHA == 0) x.w = 1.0;
+    return x;
+}
+
+// Signed CoC; not a number where it is not known.
+float coc_of(ivec2 p) {
+    float d = texelFetch(coc_map, map_place + (p >> map_shift), 0).x;
+    if (DEPTH != 0) d = depth_coc(d, vec2(p) + 0.5);
+    return is_finite(d) ? clamp(d, -COC_LIMIT, COC_LIMIT) : uintBitsToFloat(0x7fc00000u);
+}
+
+// Of those channels that shine.
+float brightness_of(vec4 x) {
+    return max(x.r, max(colors > 1 ? x.g : x.r, colors > 2 ? x.b : x.r));
+}
+
+uvec2 sprite_place(ivec2 p, float d) {
+    return uvec2(uint(p.x) | uint(p.y) << 16, floatBitsToUint(d));
+}
+
+ivec2 sprite_pixel(uvec2 place) {
+    return ivec2(place.x & 0xffffu, place.x >> 16);
+}
+
+// Where a sprite's data begin.
+uint sprite_at(uint i) {
+    return FULL != 0 ? i : 3u * i;
+}
