@@ -10,9 +10,9 @@ struct Candidate {
     bool large;  // it would be one, but for its size
 };
 
-// The CoC of the brightest pixel around p; not a number: there is none.
+// The CoC of the brightest pixel around p, which is one of them.
 float brightest_coc(ivec2 p) {
-    float best = uintBitsToFloat(0xff800000u), found = uintBitsToFloat(0x7fc00000u);
+    float best = uintBitsToFloat(0xff800000u), found = 0.0;
     for (int y = max(p.y - BOKEH_REACH, 0); y <= min(p.y + BOKEH_REACH, height - 1); y++)
         for (int x = max(p.x - BOKEH_REACH, 0); x <= min(p.x + BOKEH_REACH, width - 1); x++) {
             vec4 color = color_of(ivec2(x, y));
@@ -28,9 +28,8 @@ float brightest_coc(ivec2 p) {
 Candidate candidate_of(ivec2 p) {
     Candidate c = Candidate(color_of(p), 0.0, 0.0, 0.0, false);
     c.v = brightness_of(c.color);
-    if (!is_finite(c.color) || !(c.v > threshold)) return c;
+    if (!is_finite(c.color) || !(c.v > threshold) || !is_finite(coc_of(p))) return c;
     c.d = brightest_coc(p);
-    if (!is_finite(c.d)) return c;
     float share = bokeh_share(c.d);
     c.large = share > 0.0 && abs(c.d) > largest;
     c.share = c.large ? 0.0 : share;

@@ -7,18 +7,26 @@
 #define STATE readonly
 #define LIST readonly
 #include "sprites.glsl"
-#include "sprite_iris.glsl"
 
-layout(location = 0) flat in vec4 sprite_middle; // as in sprite_vertex.glsl
+layout(location = 0) flat in vec3 sprite_middle; // as in sprite_vertex.glsl
 layout(location = 1) flat in vec4 sprite_light;
 layout(location = 2) flat in vec4 sprite_mask;
 layout(location = 3) flat in ivec3 sprite_level;
 layout(location = 4) flat in vec2 sprite_cat;
+layout(location = 5) flat in ivec3 sprite_origin;
 layout(location = 0) out vec4 light;
 layout(location = 1) out float weight;
 
+// A hole hides nothing of a highlight.
+float visible(ivec2 p, float sprite) {
+    vec4 color;
+    float d = coc_of(p);
+    if (FULL != 0 && !is_finite(d)) filled(p, color, d);
+    return is_finite(d) ? bokeh_visible(d, sprite) : 1.0;
+}
+
 void main() {
-    ivec2 q = ivec2(gl_FragCoord.xy) - ivec2(0, int(sprite_middle.w));
+    ivec2 q = ivec2(gl_FragCoord.xy) - sprite_origin.xy;
     vec2 offset = vec2(q) - sprite_middle.xy;
     float d = sprite_middle.z, side = d < 0.0 ? -1.0 : 1.0;
     vec3 mask = vec3(iris_mask(offset, sprite_mask.y, side, sprite_cat, sprite_level.y));
@@ -27,7 +35,7 @@ void main() {
         mask.b = iris_mask(offset, sprite_mask.z, side, sprite_cat, sprite_level.z);
     }
     if (mask == vec3(0.0)) discard;
-    mask *= bokeh_visible(coc_of(HALF_SIZE != 0 ? 2 * q : q), d);
+    mask *= visible(q << sprite_origin.z, d);
     light = sprite_light * mask.rgbg;
     weight = sprite_mask.w * mask.g;
 }

@@ -7,7 +7,6 @@
 #define STATE readonly
 #define LIST readonly
 #include "sprites.glsl"
-#include "sprite_iris.glsl"
 #include "sprite_vertex.glsl"
 
 layout(points) in;

@@ -10,7 +10,7 @@ layout(constant_id = 1) const int FULL = 0;      // every pixel out of focus; el
 layout(constant_id = 2) const int DEPTH = 0;     // as in pass.glsl, as are the next two
 layout(constant_id = 3) const int ALPHA = 1;
 layout(constant_id = 4) const int TARGET_HALF = 0;
-layout(constant_id = 5) const int HALF_SIZE = 0; // of the picture that sprites are drawn into
+layout(constant_id = 5) const int HALF_SIZE = 0; // of the first level that sprites are drawn into
 layout(constant_id = 6) const int ARGUMENTS = 0; // sprites are counted in the arguments of the draw
 layout(constant_id = 7) const int POINTS = 0;    // a sprite is a vertex; else an instance
 layout(constant_id = 8) const int REMAINDER = 0; // highlights: what is left of every pixel is written
@@ -21,11 +21,12 @@ layout(push_constant) uniform Push {
     ivec2 color_place, map_place; // as in pass.glsl
     int map_shift;
     int width, height;            // of the picture
-    int target_width, target_height; // that sprites are drawn into; FULL: of each of its two parts
+    int target_width, part_height; // of what sprites are drawn into; FULL: of each of its two parts
+    int levels;                   // that there are
     int colors;                   // channels that shine
     float threshold, largest;     // largest |CoC|
     uint most;                    // sprites
-    uint most_area_low, most_area_high; // sum of CoC^2, in 1/64 square pixels
+    uint most_area_low, most_area_high; // in 1/16 pixels
 };
 
 layout(set = 0, binding = 0) uniform texture2D color_map;
@@ -38,11 +39,12 @@ layout(set = 0, binding = 4, std430) STATE buffer State {
     uint count, dropped, large;
     float raised;      // threshold
     int raised_bin;
-    uint unused[7];
+    uint used_levels;  // a bit for each that has sprites
+    uint unused[6];
     uint bin_count[BINS], bin_area_low[BINS], bin_area_high[BINS];
 };
 
-// Of highlights two vectors a sprite: place and CoC, colour taken. FULL: places and CoC, one after the other.
+// Of highlights three vectors a sprite: place and CoC, colour taken. FULL: place and CoC.
 layout(set = 0, binding = 5, std430) LIST buffer List {
     uvec2 list[];
 };
@@ -54,11 +56,19 @@ layout(set = 0, binding = 6, std430) readonly buffer Tables {
     vec2 iris_turn, middle; // middle: of the whole picture, in pixels of this one
     float per_diagonal;     // half diagonals that a pixel width is
     float spare[3];
-    float inverse_sum[833], cats_gain[65], texel[21824];
+    float diameter[833], inverse_sum[2 * 833], cats_gain[65], texel[21824];
 };
 
 #include "../include/coc.glsl"
 #include "../include/bokeh.glsl"
+
+// The image's levels lie one after the other, the largest first.
+float iris_texel(int level, ivec2 at) {
+    int side = 128 >> level;
+    return texel[(65536 - 4 * side * side) / 3 + at.y * side + at.x];
+}
+
+#include "../include/iris.glsl"
 
 // Colour as diffusion takes it.
 vec4 color_of(ivec2 p) {
@@ -90,4 +100,47 @@ ivec2 sprite_pixel(uvec2 place) {
 // Where a sprite's data begin.
 uint sprite_at(uint i) {
     return FULL != 0 ? i : 3u * i;
+}
+
+// ---- where sprites are drawn: the levels of bokeh.glsl, the first above the others, which lie side by side
+
+ivec2 level_size(int level) {
+    return (ivec2(width, height) + (1 << level) - 1) >> level;
+}
+
+ivec2 level_origin(int level) {
+    ivec2 origin = ivec2(0);
+    if (level > HALF_SIZE) origin.y = level_size(HALF_SIZE).y;
+    for (int l = HALF_SIZE + 1; l < level; l++) origin.x += level_size(l).x;
+    return origin;
+}
+
+// ---- FULL: holes
+
+const int HOLE_REACH = 64;
+
+// Colour and CoC of a pixel; in a hole, the mean of what is known in eight directions, by 1/distance.
+void filled(ivec2 p, out vec4 color, out float d) {
+    color = color_of(p);
+    d = coc_of(p);
+    if (is_finite(color) && is_finite(d)) return;
+    vec4 sum = vec4(0.0);
+    float sum_d = 0.0, weight = 0.0;
+    for (int way = 0; way < 9; way++) {
+        ivec2 way_by = ivec2(way % 3 - 1, way / 3 - 1);
+        for (int i = 1; i <= HOLE_REACH && way != 4; i++) {
+            ivec2 q = p + i * way_by;
+            if (any(lessThan(q, ivec2(0))) || q.x >= width || q.y >= height) break;
+            vec4 there = color_of(q);
+            float there_d = coc_of(q);
+            if (!is_finite(there) || !is_finite(there_d)) continue;
+            float share = 1.0 / (float(i) * length(vec2(way_by)));
+            sum += share * there;
+            sum_d += share * there_d;
+            weight += share;
+            break;
+        }
+    }
+    color = weight > 0.0 ? sum / weight : vec4(0.0);
+    d = is_finite(d) ? d : weight > 0.0 ? sum_d / weight : 0.0;
 }

@@ -38,11 +38,19 @@ uint place_in_list(bool wanted) {
     return wanted && mine < group_room ? group_first + mine : most;
 }
 
+void use_level(float d) {
+    uint bit = 1u << bokeh_level(iris_node(d), HALF_SIZE != 0);
+    if ((used_levels & bit) == 0u) atomicOr(used_levels, bit);
+}
+
 void append_full(ivec2 p, bool inside) {
-    float d = inside ? coc_of(p) : 0.0;
-    bool wanted = inside && is_finite(d) && is_finite(color_of(p)) && abs(d) >= BOKEH_LEAST;
-    uint i = place_in_list(wanted);
-    if (i < most) list[i] = sprite_place(p, clamp(d, -largest, largest));
+    vec4 color = vec4(0.0);
+    float d = 0.0;
+    if (inside) filled(p, color, d);
+    uint i = place_in_list(bokeh_share(d) > 0.0);
+    if (i >= most) return;
+    list[i] = sprite_place(p, d);
+    use_level(min(abs(d), largest));
 }
 
 void append_highlight(ivec2 p, bool inside) {
@@ -52,12 +60,13 @@ void append_highlight(ivec2 p, bool inside) {
     bool wanted = c.share > 0.0 && bokeh_bin(c.v, threshold) >= raised_bin && c.v > raised;
     uint i = place_in_list(wanted);
     if (wanted && i >= most) atomicAdd(dropped, 1u);
-    vec3 taken = c.color.rgb * (c.share * ((c.v - raised) / c.v));
+    vec3 taken = c.color.rgb * (c.share * ((c.v - raised) / c.v)) * vec3(1.0, colors > 1, colors > 2);
     if (i < most) {
         list[3u * i] = sprite_place(p, c.d);
         list[3u * i + 1u] = floatBitsToUint(taken.rg);
         list[3u * i + 2u] = uvec2(floatBitsToUint(taken.b), 0u);
         c.color.rgb -= taken;
+        use_level(abs(c.d));
     }
     if (REMAINDER == 0 || !inside) return;
     if (TARGET_HALF != 0 && is_finite(c.color)) c.color = nearest_half(clamp(c.color, -65504.0, 65504.0));

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The ddof authors
 // SPDX-License-Identifier: MIT
 
-// Highlights: counts candidates, and adds up their CoC^2, by how bright they are.
+// Highlights: counts candidates, and adds up what they will cover, by how bright they are.
 
 #define STATE
 #define LIST readonly
@@ -11,11 +11,11 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-shared uint group_count[BINS], group_area_low[BINS], group_area_high[BINS], group_large;
+shared uint group_count[BINS], group_area[BINS], group_large;
 
 void main() {
     uint me = gl_LocalInvocationIndex;
-    for (uint i = me; i < BINS; i += 64u) group_count[i] = group_area_low[i] = group_area_high[i] = 0u;
+    for (uint i = me; i < BINS; i += 64u) group_count[i] = group_area[i] = 0u;
     if (me == 0u) group_large = 0u;
     barrier();
     ivec2 p = ivec2(gl_GlobalInvocationID.xy);
@@ -24,18 +24,17 @@ void main() {
         if (c.large) atomicAdd(group_large, 1u);
         if (c.share > 0.0) {
             int bin = bokeh_bin(c.v, threshold);
-            uint area = uint(c.d * c.d * 64.0 + 0.5); // |d| <= 4096: 2^30
+            float node = iris_node(abs(c.d)), across = diameter[int(node)] / float(1 << bokeh_level(node, HALF_SIZE != 0));
             atomicAdd(group_count[bin], 1u);
-            if (atomicAdd(group_area_low[bin], area) + area < area) atomicAdd(group_area_high[bin], 1u);
+            atomicAdd(group_area[bin], uint(across * across * 16.0)); // at most 2^16 each
         }
     }
     barrier();
     for (uint i = me; i < BINS; i += 64u) {
         if (group_count[i] == 0u) continue;
-        uint area = group_area_low[i];
-        uint carry = atomicAdd(bin_area_low[i], area) + area < area ? 1u : 0u;
+        uint area = group_area[i];
         atomicAdd(bin_count[i], group_count[i]);
-        if (group_area_high[i] + carry > 0u) atomicAdd(bin_area_high[i], group_area_high[i] + carry);
+        if (atomicAdd(bin_area_low[i], area) + area < area) atomicAdd(bin_area_high[i], 1u);
     }
     if (me == 0u && group_large > 0u) atomicAdd(large, group_large);
 }

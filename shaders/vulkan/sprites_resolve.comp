@@ -21,32 +21,47 @@ struct Sums {
     float weight;
 };
 
-Sums drawn_at(ivec2 q, int part) {
-    q = clamp(q, ivec2(0), ivec2(target_width, target_height) - 1) + ivec2(0, part * target_height);
+Sums drawn_at(ivec2 q) {
     return Sums(texelFetch(light_map, q, 0), FULL != 0 ? texelFetch(weight_map, q, 0).x : 0.0);
 }
 
-// What was drawn over pixel p; of half the size: a quarter of it, interpolated between the four nearest.
+Sums mixed(Sums a, Sums b, float share) {
+    return Sums(mix(a.light, b.light, share), mix(a.weight, b.weight, share));
+}
+
+// What was drawn over pixel p: the sums of all levels, interpolated.
 Sums drawn(ivec2 p, int part) {
-    if (HALF_SIZE == 0) return drawn_at(p, part);
-    ivec2 q = p / 2, beside = q + 2 * (p & 1) - 1; // p lies at p/2 - 1/4 between their middles
-    Sums a = drawn_at(q, part), b = drawn_at(ivec2(beside.x, q.y), part);
-    Sums c = drawn_at(ivec2(q.x, beside.y), part), d = drawn_at(beside, part);
-    return Sums((9.0 * a.light + 3.0 * (b.light + c.light) + d.light) / 64.0,
-                (9.0 * a.weight + 3.0 * (b.weight + c.weight) + d.weight) / 64.0);
+    Sums all = Sums(vec4(0.0), 0.0);
+    for (int level = HALF_SIZE; level < levels; level++) {
+        if ((used_levels & 1u << level) == 0u) continue;
+        ivec2 origin = level_origin(level) + ivec2(0, part * part_height), last = level_size(level) - 1;
+        float size = exp2(-float(level));
+        vec2 at = (vec2(p) + 0.5) * size - 0.5, share = fract(at);
+        ivec2 q0 = ivec2(floor(at)), q1 = origin + min(q0 + 1, last);
+        q0 = origin + max(q0, ivec2(0));
+        Sums above = drawn_at(q0), below;
+        if (level > 0) {
+            above = mixed(above, drawn_at(ivec2(q1.x, q0.y)), share.x);
+            below = mixed(drawn_at(ivec2(q0.x, q1.y)), drawn_at(q1), share.x);
+            above = mixed(above, below, share.y);
+        }
+        all.light += size * size * above.light;
+        all.weight += size * size * above.weight;
+    }
+    return all;
 }
 
 vec4 composed(ivec2 p) {
+    vec4 color;
+    float d;
+    filled(p, color, d);
     Sums far = drawn(p, 0), near = drawn(p, 1);
-    vec4 base = color_of(p);
-    float d = coc_of(p);
-    bool known = is_finite(base) && is_finite(d);
-    float t = known ? bokeh_share(d) : 1.0;
-    if (!known) base = vec4(0.0);
-    if (!(d < 0.0) && far.weight > BOKEH_EMPTY) base = mix(base, far.light / far.weight, t);
-    if (d < 0.0 && near.weight > BOKEH_EMPTY) base = mix(base, near.light / near.weight, t);
-    if (near.weight > BOKEH_EMPTY) base = mix(base, near.light / near.weight, min(near.weight, 1.0));
-    return base;
+    float share = bokeh_share(d);
+    bool some_near = near.weight > BOKEH_EMPTY;
+    if (d > 0.0 && far.weight > BOKEH_EMPTY) color = mix(color, far.light / far.weight, share);
+    if (d < 0.0 && some_near) color = mix(color, near.light / near.weight, share);
+    if (some_near) color = mix(color, near.light / near.weight, min(near.weight, 1.0));
+    return color;
 }
 
 void main() {

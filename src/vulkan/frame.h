@@ -91,7 +91,8 @@ struct ddof_vulkan_frame {
 ddof_status vulkan_frame_make(ddof_vulkan_frame *frame);
 void vulkan_frame_delete(ddof_vulkan_frame *frame);
 
-/* The size of LIGHT and WEIGHT. */
+/* The size of LIGHT and WEIGHT for a picture of this size; and of the frame's. */
+VkExtent2D vulkan_light_size_of(const vulkan_sprite_kind *kind, int width, int height);
 VkExtent2D vulkan_light_size(const ddof_vulkan_frame *frame);
 
 /* Whether the output is sampled as well. */

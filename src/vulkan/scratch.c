@@ -1,6 +1,7 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
+#include "../bokeh.h"
 #include "frame.h"
 #include "passes.h"
 #include "sprites.h"
@@ -28,11 +29,22 @@ static bool wanted(const ddof_vulkan_frame *frame, vulkan_picture picture) {
     }
 }
 
+static uint32_t level_side(int side, int level) {
+    return (uint32_t)((side + (1 << level) - 1) >> level);
+}
+
+VkExtent2D vulkan_light_size_of(const vulkan_sprite_kind *kind, int width, int height) {
+    const int first = kind->half;
+    const uint32_t tall = level_side(height, first) + level_side(height, first + 1);
+    uint32_t wide = 0;
+    for (int l = first + 1; l < BOKEH_LEVELS; l++)
+        wide += level_side(width, l);
+    if (wide < level_side(width, first)) wide = level_side(width, first);
+    return (VkExtent2D){wide, kind->bokeh == DDOF_BOKEH_FULL ? 2 * tall : tall};
+}
+
 VkExtent2D vulkan_light_size(const ddof_vulkan_frame *frame) {
-    const vulkan_sprite_kind *kind = &frame->sprite_kind;
-    const uint32_t width = frame->images.color.width, height = frame->images.color.height;
-    const VkExtent2D one = {kind->half ? (width + 1) / 2 : width, kind->half ? (height + 1) / 2 : height};
-    return (VkExtent2D){one.width, kind->bokeh == DDOF_BOKEH_FULL ? 2 * one.height : one.height};
+    return vulkan_light_size_of(&frame->sprite_kind, (int)frame->images.color.width, (int)frame->images.color.height);
 }
 
 static ddof_status make_image(ddof_vulkan *vk, const ddof_vulkan_frame *frame, vulkan_picture picture, VkImage *image) {

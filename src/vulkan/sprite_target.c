@@ -11,15 +11,29 @@ enum { HIGHLIGHT_BYTES = 24, FULL_BYTES = 8 /* of a sprite in the list: sprites.
 
 /* ---- what is asked for */
 
+const char vulkan_no_such_method[] = "settings.method: only the CPU and GL backends have this one";
+
 vulkan_sprite_kind vulkan_sprite_kind_of(const ddof_settings *s) {
     vulkan_sprite_kind kind = {.bokeh = s->method == DDOF_METHOD_SCATTER ? DDOF_BOKEH_FULL : s->bokeh};
     if (!kind.bokeh) return kind;
     const bool full = kind.bokeh == DDOF_BOKEH_FULL;
-    kind.half = s->sprites.resolution ? s->sprites.resolution == DDOF_RESOLUTION_HALF : full;
-    kind.most = full ? 0 : s->sprites.max_sprites ? s->sprites.max_sprites : BOKEH_SPRITES;
+    const ddof_frame any = {.picture_width = 1, .picture_height = 1};
+    const frame_job job = {.frame = &any, .settings = s, .method = full ? DDOF_METHOD_SCATTER : DDOF_METHOD_DIFFUSION};
+    const bokeh_limits limits = bokeh_limits_of(&job);
+    kind.half = limits.half;
+    kind.most = full ? 0 : limits.max_sprites;
     kind.append = s->sprites.append ? s->sprites.append : DDOF_APPEND_COUNTER;
     kind.quads = s->sprites.quads ? s->sprites.quads : DDOF_QUADS_INSTANCED;
     return kind;
+}
+
+const char *vulkan_sprite_kind_differs(const vulkan_sprite_kind *a, const vulkan_sprite_kind *b) {
+    return a->bokeh != b->bokeh     ? "bokeh"
+           : a->half != b->half     ? "sprites.resolution"
+           : a->most != b->most     ? "sprites.max_sprites"
+           : a->append != b->append ? "sprites.append"
+           : a->quads != b->quads   ? "sprites.quads"
+                                    : NULL;
 }
 
 static bool blends(const ddof_vulkan *vk, VkFormat format) {
@@ -49,7 +63,7 @@ static ddof_status check_sizes(ddof_vulkan *vk, const ddof_vulkan_frame *f) {
 
 ddof_status vulkan_sprites_choose(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_settings *s) {
     if (s->method == DDOF_METHOD_GAUSSIAN || s->method == DDOF_METHOD_HEXAGON)
-        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "settings.method: only the CPU and GL backends have this one");
+        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "%s", vulkan_no_such_method);
     f->sprite_kind = vulkan_sprite_kind_of(s);
     if (!f->sprite_kind.bokeh) return DDOF_OK;
     if (!vk->graphics)
@@ -339,17 +353,21 @@ static VkResult make_draw(ddof_vulkan_frame *f, const VkPipelineShaderStageCreat
                                          &f->sprites->pipeline[SPRITES_DRAW]);
 }
 
+typedef struct draw_stage {
+    vulkan_module module;
+    VkShaderStageFlagBits stage;
+} draw_stage;
+
 static ddof_status make_graphics(ddof_vulkan_frame *f) {
-    static const struct {
-        vulkan_module module;
-        VkShaderStageFlagBits stage;
-    } instanced[] = {{MODULE_SPRITES_VERTEX, VK_SHADER_STAGE_VERTEX_BIT}, {MODULE_SPRITES_PIXEL, VK_SHADER_STAGE_FRAGMENT_BIT}},
-      points[] = {{MODULE_SPRITES_POINT, VK_SHADER_STAGE_VERTEX_BIT},
-                  {MODULE_SPRITES_GEOMETRY, VK_SHADER_STAGE_GEOMETRY_BIT},
-                  {MODULE_SPRITES_PIXEL, VK_SHADER_STAGE_FRAGMENT_BIT}},
-      *part = f->sprite_kind.quads == DDOF_QUADS_GEOMETRY ? points : instanced;
+    static const draw_stage instanced[] = {{MODULE_SPRITES_VERTEX, VK_SHADER_STAGE_VERTEX_BIT},
+                                           {MODULE_SPRITES_PIXEL, VK_SHADER_STAGE_FRAGMENT_BIT}},
+                            points[] = {{MODULE_SPRITES_POINT, VK_SHADER_STAGE_VERTEX_BIT},
+                                        {MODULE_SPRITES_GEOMETRY, VK_SHADER_STAGE_GEOMETRY_BIT},
+                                        {MODULE_SPRITES_PIXEL, VK_SHADER_STAGE_FRAGMENT_BIT}};
+    const bool by_points = f->sprite_kind.quads == DDOF_QUADS_GEOMETRY;
+    const draw_stage *part = by_points ? points : instanced;
+    const uint32_t parts = by_points ? 3 : 2;
     ddof_vulkan *vk = f->vk;
-    const uint32_t parts = part == points ? 3 : 2;
     const sprite_constants c = constants_of(f, SPRITES_DRAW);
     VkSpecializationMapEntry entry[CONSTANTS];
     const VkSpecializationInfo specialization = specialise(&c, entry);

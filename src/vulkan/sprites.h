@@ -7,7 +7,9 @@
  *   HIGHLIGHTS  histogram, raise, append, take (in place), draw, the passes of diffusion, resolve
  *   FULL        append, draw, resolve
  *
- * Of FULL what lies behind the focus is drawn into the upper half of LIGHT and WEIGHT, what lies before it into the lower. */
+ * LIGHT has room for all levels of ../bokeh.h: the first, and below it the others side by side. Of FULL it has that twice, and so has
+ * WEIGHT: the upper half for what lies behind the focus, the lower for what lies before it. Sprites are cut off where their level ends, by
+ * their rectangles: so one viewport and one draw do. */
 #ifndef DDOF_VULKAN_SPRITES_H
 #define DDOF_VULKAN_SPRITES_H
 
@@ -33,8 +35,8 @@ enum {
 /* Member by member what sprites.glsl has. */
 typedef struct sprite_push {
     vulkan_picture_push picture;
-    int32_t width, height, target_width, target_height;
-    int32_t colors;
+    int32_t width, height, target_width, part_height;
+    int32_t levels, colors;
     float threshold, largest;
     uint32_t most, most_area_low, most_area_high;
 } sprite_push;
@@ -44,7 +46,7 @@ typedef struct sprite_tables {
     float blades, curvature, edge, cats_eye, squeeze, fringe, aspect;
     float turn[2], middle[2];
     float per_diagonal, spare[3];
-    float inverse_sum[IRIS_NODES], cats_gain[IRIS_CATS];
+    float diameter[IRIS_NODES], inverse_sum[2][IRIS_NODES], cats_gain[IRIS_CATS];
     float texel[IRIS_TEXELS];
 } sprite_tables;
 
@@ -54,7 +56,7 @@ typedef struct sprite_state {
     uint32_t count, dropped, large;
     float raised;
     int32_t raised_bin;
-    uint32_t unused[7];
+    uint32_t used_levels, unused[6];
 } sprite_state;
 
 /* Specialisation constants, in the order of constant_id in sprites.glsl, from 1. */
@@ -97,9 +99,13 @@ void vulkan_sprites_bytes(const ddof_vulkan_frame *frame, VkDeviceSize bytes[VUL
 ddof_status vulkan_sprites_make(ddof_vulkan_frame *frame);
 void vulkan_sprites_delete(ddof_vulkan_frame *frame);
 
+extern const char vulkan_no_such_method[];
+
 /* Fills in sprite_kind; says what of it this device cannot do. */
 ddof_status vulkan_sprites_choose(ddof_vulkan *vk, ddof_vulkan_frame *frame, const ddof_settings *settings);
 vulkan_sprite_kind vulkan_sprite_kind_of(const ddof_settings *settings);
+/* The member of settings in which they differ, or NULL. */
+const char *vulkan_sprite_kind_differs(const vulkan_sprite_kind *a, const vulkan_sprite_kind *b);
 
 /* sprites.c: the iris, made anew when it has changed. Errors: INVALID. */
 ddof_status vulkan_sprites_prepare(ddof_vulkan_frame *frame, const frame_job *job);
