@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The ddof authors
 // SPDX-License-Identifier: MIT
 
-// What of a sprite's light falls on a pixel; the blending adds it up.
+// What of a sprite's light falls on a pixel; the blending adds it up. WEIGHT: and of 1, for FULL.
 
 #define STATE readonly
 #define LIST readonly
@@ -15,7 +15,9 @@ layout(location = 3) flat in ivec3 sprite_level;
 layout(location = 4) flat in vec2 sprite_cat;
 layout(location = 5) flat in ivec3 sprite_origin;
 layout(location = 0) out vec4 light;
+#ifdef WEIGHT
 layout(location = 1) out float weight;
+#endif
 
 // A hole hides nothing of a highlight.
 float visible(ivec2 p, float sprite) {
@@ -37,5 +39,7 @@ void main() {
     if (mask == vec3(0.0)) discard;
     mask *= visible(q << sprite_origin.z, d);
     light = sprite_light * mask.rgbg;
+#ifdef WEIGHT
     weight = sprite_mask.w * mask.g;
+#endif
 }

@@ -463,3 +463,13 @@ ddof_status ddof_vulkan_record(ddof_vulkan_frame *frame, VkCommandBuffer command
     if (stats) fill_stats(frame, dispatches, stats);
     return DDOF_OK;
 }
+
+ddof_status ddof_vulkan_frame_timestamps(ddof_vulkan_frame *frame, VkQueryPool pool, uint32_t first) {
+    if (!frame) return DDOF_ERROR_INVALID;
+    frame->shell.error[0] = 0;
+    if (!frame->sprites)
+        return context_fail(&frame->shell, DDOF_ERROR_INVALID, "timestamps are of sprites, and this frame object has none");
+    frame->sprites->timestamps = pool;
+    frame->sprites->first_timestamp = first;
+    return DDOF_OK;
+}

@@ -71,6 +71,9 @@ static const uint32_t sprites_geometry[] = {
 static const uint32_t sprites_pixel[] = {
 #include "sprites_pixel.inc"
 };
+static const uint32_t sprites_pixel_weight[] = {
+#include "sprites_pixel_weight.inc"
+};
 /* clang-format on */
 
 #define CODE(name) {"compiling the shader " #name, name, sizeof name}
@@ -98,4 +101,5 @@ const vulkan_code vulkan_codes[VULKAN_MODULES] = {
     [MODULE_SPRITES_POINT] = CODE(sprites_point),
     [MODULE_SPRITES_GEOMETRY] = CODE(sprites_geometry),
     [MODULE_SPRITES_PIXEL] = CODE(sprites_pixel),
+    [MODULE_SPRITES_PIXEL_WEIGHT] = CODE(sprites_pixel_weight),
 };

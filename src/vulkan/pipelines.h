@@ -31,6 +31,7 @@ typedef enum vulkan_module {
     MODULE_SPRITES_POINT,
     MODULE_SPRITES_GEOMETRY,
     MODULE_SPRITES_PIXEL,
+    MODULE_SPRITES_PIXEL_WEIGHT,
     VULKAN_MODULES
 } vulkan_module;
 

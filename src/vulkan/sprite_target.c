@@ -143,16 +143,17 @@ static VkDescriptorImageInfo image_at(const ddof_vulkan_frame *f, uint32_t bindi
             VK_NULL_HANDLE, f->stored[f->first == PICTURE_COLOR ? PICTURE_OUTPUT : vulkan_place(f, f->first)], general};
     case SPRITES_OUTPUT:
         return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->stored[PICTURE_OUTPUT], general};
-    case SPRITES_BLURRED:
+    case SPRITES_BLURRED: /* FULL looks at none */
+        if (!f->sampled[PICTURE_OUTPUT]) return image_at(f, SPRITES_COLOR);
         return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->sampled[PICTURE_OUTPUT], general};
-    case SPRITES_LIGHT:
-        return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->sampled[PICTURE_LIGHT], read};
-    default:
+    case SPRITES_WEIGHT: /* HIGHLIGHTS looks at none */
+        if (!f->sampled[PICTURE_WEIGHT]) return image_at(f, SPRITES_LIGHT);
         return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->sampled[PICTURE_WEIGHT], read};
+    default:
+        return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->sampled[PICTURE_LIGHT], read};
     }
 }
 
-/* What a frame has not, no pass of its own looks at. */
 static void write_set(const ddof_vulkan_frame *f) {
     static const vulkan_buffer buffer_of[SPRITES_BINDINGS] = {[SPRITES_STATE] = BUFFER_SPRITE_STATE,
                                                               [SPRITES_LIST] = BUFFER_SPRITE_LIST,
@@ -160,13 +161,11 @@ static void write_set(const ddof_vulkan_frame *f) {
     VkDescriptorImageInfo image[SPRITES_BINDINGS];
     VkDescriptorBufferInfo buffer[SPRITES_BINDINGS];
     VkWriteDescriptorSet write[SPRITES_BINDINGS];
-    uint32_t count = 0;
     for (uint32_t i = 0; i < SPRITES_BINDINGS; i++) {
         const bool is_buffer = types[i] == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
         if (is_buffer) buffer[i] = (VkDescriptorBufferInfo){f->scratch.buffer[buffer_of[i]], 0, VK_WHOLE_SIZE};
         if (!is_buffer) image[i] = image_at(f, i);
-        if (!is_buffer && !image[i].imageView) continue;
-        write[count++] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+        write[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                                 .dstSet = f->sprites->set,
                                                 .dstBinding = i,
                                                 .descriptorCount = 1,
@@ -174,7 +173,7 @@ static void write_set(const ddof_vulkan_frame *f) {
                                                 .pImageInfo = is_buffer ? NULL : &image[i],
                                                 .pBufferInfo = is_buffer ? &buffer[i] : NULL};
     }
-    f->vk->f.UpdateDescriptorSets(f->vk->config.device, count, write, 0, NULL);
+    f->vk->f.UpdateDescriptorSets(f->vk->config.device, SPRITES_BINDINGS, write, 0, NULL);
 }
 
 static VkResult make_set(ddof_vulkan_frame *f) {
@@ -353,20 +352,15 @@ static VkResult make_draw(ddof_vulkan_frame *f, const VkPipelineShaderStageCreat
                                          &f->sprites->pipeline[SPRITES_DRAW]);
 }
 
-typedef struct draw_stage {
-    vulkan_module module;
-    VkShaderStageFlagBits stage;
-} draw_stage;
-
 static ddof_status make_graphics(ddof_vulkan_frame *f) {
-    static const draw_stage instanced[] = {{MODULE_SPRITES_VERTEX, VK_SHADER_STAGE_VERTEX_BIT},
-                                           {MODULE_SPRITES_PIXEL, VK_SHADER_STAGE_FRAGMENT_BIT}},
-                            points[] = {{MODULE_SPRITES_POINT, VK_SHADER_STAGE_VERTEX_BIT},
-                                        {MODULE_SPRITES_GEOMETRY, VK_SHADER_STAGE_GEOMETRY_BIT},
-                                        {MODULE_SPRITES_PIXEL, VK_SHADER_STAGE_FRAGMENT_BIT}};
-    const bool by_points = f->sprite_kind.quads == DDOF_QUADS_GEOMETRY;
-    const draw_stage *part = by_points ? points : instanced;
-    const uint32_t parts = by_points ? 3 : 2;
+    const bool points = f->sprite_kind.quads == DDOF_QUADS_GEOMETRY, full = f->sprite_kind.bokeh == DDOF_BOKEH_FULL;
+    const struct {
+        vulkan_module module;
+        VkShaderStageFlagBits stage;
+    } part[3] = {{points ? MODULE_SPRITES_POINT : MODULE_SPRITES_VERTEX, VK_SHADER_STAGE_VERTEX_BIT},
+                 {full ? MODULE_SPRITES_PIXEL_WEIGHT : MODULE_SPRITES_PIXEL, VK_SHADER_STAGE_FRAGMENT_BIT},
+                 {MODULE_SPRITES_GEOMETRY, VK_SHADER_STAGE_GEOMETRY_BIT}};
+    const uint32_t parts = points ? 3 : 2;
     ddof_vulkan *vk = f->vk;
     const sprite_constants c = constants_of(f, SPRITES_DRAW);
     VkSpecializationMapEntry entry[CONSTANTS];
