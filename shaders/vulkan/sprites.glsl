@@ -44,7 +44,8 @@ layout(set = 0, binding = 4, std430) STATE buffer State {
     uint bin_count[BINS], bin_area_low[BINS], bin_area_high[BINS];
 };
 
-// Of highlights three vectors a sprite: place and CoC, colour taken. FULL: place and CoC.
+// Of highlights three vectors a sprite: place and CoC; what shines of the colour; and how much of that is taken from the picture.
+// FULL: place and CoC.
 layout(set = 0, binding = 5, std430) LIST buffer List {
     uvec2 list[];
 };

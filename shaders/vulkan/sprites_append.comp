@@ -60,12 +60,14 @@ void append_highlight(ivec2 p, bool inside) {
     bool wanted = c.share > 0.0 && bokeh_bin(c.v, threshold) >= raised_bin && c.v > raised;
     uint i = place_in_list(wanted);
     if (wanted && i >= most) atomicAdd(dropped, 1u);
-    vec3 taken = c.color.rgb * (c.share * ((c.v - raised) / c.v)) * vec3(1.0, colors > 1, colors > 2);
+    float below = raised / c.v;
+    vec3 shining = c.color.rgb * (c.share * (1.0 - below * below)) * vec3(1.0, colors > 1, colors > 2);
     if (i < most) {
         list[3u * i] = sprite_place(p, c.d);
-        list[3u * i + 1u] = floatBitsToUint(taken.rg);
-        list[3u * i + 2u] = uvec2(floatBitsToUint(taken.b), 0u);
-        c.color.rgb -= taken;
+        float taken = bokeh_inside(p, ivec2(width, height), diameter[int(iris_node(abs(c.d)))], iris_aspect);
+        list[3u * i + 1u] = floatBitsToUint(shining.rg);
+        list[3u * i + 2u] = floatBitsToUint(vec2(shining.b, taken));
+        c.color.rgb -= taken * shining;
         use_level(abs(c.d));
     }
     if (REMAINDER == 0 || !inside) return;

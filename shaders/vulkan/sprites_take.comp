@@ -18,7 +18,8 @@ void main() {
     if (i >= min(ARGUMENTS != 0 ? arguments[POINTS != 0 ? 0 : 1] : count, most)) return;
     ivec2 p = sprite_pixel(list[3u * i]);
     vec4 color = color_of(p);
-    color.rgb -= uintBitsToFloat(uvec3(list[3u * i + 1u], list[3u * i + 2u].x));
+    vec2 rest = uintBitsToFloat(list[3u * i + 2u]);
+    color.rgb -= rest.y * vec3(uintBitsToFloat(list[3u * i + 1u]), rest.x);
     if (TARGET_HALF != 0) color = nearest_half(clamp(color, -65504.0, 65504.0));
     imageStore(target_map, color_place + p, color);
 }
