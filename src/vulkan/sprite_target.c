@@ -217,20 +217,19 @@ static VkResult make_render_pass(ddof_vulkan_frame *f) {
                                           .colorAttachmentCount = targets,
                                           .pColorAttachments = reference};
     static const VkAccessFlags blended = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-    const VkPipelineStageFlags readers = VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT |
-                                         (f->sprites->stages & VK_SHADER_STAGE_GEOMETRY_BIT
-                                              ? (VkPipelineStageFlags)VK_PIPELINE_STAGE_GEOMETRY_SHADER_BIT
-                                              : 0);
+    VkPipelineStageFlags stages = VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT |
+                                  VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+    if (f->sprites->stages & VK_SHADER_STAGE_GEOMETRY_BIT) stages |= VK_PIPELINE_STAGE_GEOMETRY_SHADER_BIT;
     const VkSubpassDependency dependency[2] = {
         {.srcSubpass = VK_SUBPASS_EXTERNAL,
          .dstSubpass = 0,
          .srcStageMask = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
-         .dstStageMask = readers | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+         .dstStageMask = stages,
          .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
          .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT | blended},
         {.srcSubpass = 0,
          .dstSubpass = VK_SUBPASS_EXTERNAL,
-         .srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+         .srcStageMask = stages,
          .dstStageMask = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
          .srcAccessMask = blended,
          .dstAccessMask = VK_ACCESS_SHADER_READ_BIT}};

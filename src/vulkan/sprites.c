@@ -224,7 +224,7 @@ int vulkan_sprites_draw(const ddof_vulkan_frame *f, VkCommandBuffer commands, co
 int vulkan_sprites_resolve(const ddof_vulkan_frame *f, VkCommandBuffer commands, const frame_job *job,
                            const vulkan_region *region) {
     recording r = begin(f, commands, job, region);
-    order(&r, COMPUTE, WRITE, COMPUTE, READ | WRITE);
+    order(&r, COMPUTE | COPY, WRITE, COMPUTE, READ | WRITE); /* after it, compute alone has to be waited for */
     over_picture(&r, SPRITES_RESOLVE);
     mark(&r, 3);
     return r.dispatches;
