@@ -39,7 +39,10 @@ float iris_mask(vec2 offset, float diameter, float side, vec2 cat, int level) {
             float sector = 6.28318530717958648 / iris_blades;
             float angle = p == vec2(0.0) ? 0.0 : atan(p.y, p.x);
             float normal = (floor(angle / sector) + 0.5) * sector;
-            float beyond = p.x * cos(normal) + p.y * sin(normal);
+            vec2 n = vec2(cos(normal), sin(normal)), turn = vec2(cos(sector), sin(sector));
+            float beyond = dot(p, n); // and of the sectors beside it: atan() is not exact everywhere
+            beyond = max(beyond, dot(p, vec2(n.x * turn.x - n.y * turn.y, n.y * turn.x + n.x * turn.y)));
+            beyond = max(beyond, dot(p, vec2(n.x * turn.x + n.y * turn.y, n.y * turn.x - n.x * turn.y)));
             inside = mix(radius * cos(0.5 * sector) - beyond, inside, iris_curvature);
         }
         cover = iris_cover(min(inside, cut));

@@ -11,6 +11,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+const int TILE = 32; // pixels on each side, of a workgroup: its bins are cleared and added up once
+
 shared uint group_count[BINS], group_area[BINS], group_large;
 
 void main() {
@@ -18,8 +20,10 @@ void main() {
     for (uint i = me; i < BINS; i += 64u) group_count[i] = group_area[i] = 0u;
     if (me == 0u) group_large = 0u;
     barrier();
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
-    if (p.x < width && p.y < height) {
+    ivec2 first = TILE * ivec2(gl_WorkGroupID.xy) + ivec2(gl_LocalInvocationID.xy);
+    for (int i = 0; i < TILE * TILE / 64; i++) {
+        ivec2 p = first + 8 * ivec2(i % (TILE / 8), i / (TILE / 8));
+        if (p.x >= width || p.y >= height) continue;
         Candidate c = candidate_of(p);
         if (c.large) atomicAdd(group_large, 1u);
         if (c.share > 0.0) {

@@ -32,13 +32,15 @@ Sums mixed(Sums a, Sums b, float share) {
 // What was drawn over pixel p: the sums of all levels, interpolated.
 Sums drawn(ivec2 p, int part) {
     Sums all = Sums(vec4(0.0), 0.0);
+    ivec2 origin = ivec2(0, part * part_height); // as level_origin()
     for (int level = HALF_SIZE; level < levels; level++) {
+        ivec2 here = origin, last = level_size(level) - 1;
+        origin += level == HALF_SIZE ? ivec2(0, last.y + 1) : ivec2(last.x + 1, 0);
         if ((used_levels & 1u << level) == 0u) continue;
-        ivec2 origin = level_origin(level) + ivec2(0, part * part_height), last = level_size(level) - 1;
         float size = exp2(-float(level));
         vec2 at = (vec2(p) + 0.5) * size - 0.5, share = fract(at);
-        ivec2 q0 = ivec2(floor(at)), q1 = origin + min(q0 + 1, last);
-        q0 = origin + max(q0, ivec2(0));
+        ivec2 q0 = ivec2(floor(at)), q1 = here + min(q0 + 1, last);
+        q0 = here + max(q0, ivec2(0));
         Sums above = drawn_at(q0), below;
         if (level > 0) {
             above = mixed(above, drawn_at(ivec2(q1.x, q0.y)), share.x);

@@ -12,6 +12,7 @@
 
 enum {
     SIDE = 8,     /* pixels of a workgroup of the passes over the picture */
+    HISTOGRAM = 32, /* likewise, of the histogram */
     THREADS = 64, /* of a workgroup of the pass over the sprites */
     UPDATE = 65536 /* bytes that a command writes at most */
 };
@@ -142,7 +143,8 @@ static void dispatch(recording *r, sprite_pass pass, int x, int y) {
 }
 
 static void over_picture(recording *r, sprite_pass pass) {
-    dispatch(r, pass, (r->push.width + SIDE - 1) / SIDE, (r->push.height + SIDE - 1) / SIDE);
+    const int side = pass == SPRITES_HISTOGRAM ? HISTOGRAM : SIDE;
+    dispatch(r, pass, (r->push.width + side - 1) / side, (r->push.height + side - 1) / side);
 }
 
 static void mark(const recording *r, uint32_t which) {
