@@ -282,10 +282,11 @@ static const char *end_timed(bench_vulkan *vk, VkCommandBuffer commands) {
 static const char *read_times(bench_vulkan *vk, uint32_t first, uint32_t count, double *ms) {
     bench_device *d = &vk->device;
     uint64_t ticks[QUERIES];
-    const char *bad = bench_result(d,
-                                   d->GetQueryPoolResults(d->session.device, vk->queries, first, count, sizeof ticks, ticks,
-                                                          sizeof *ticks, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-                                   "vkGetQueryPoolResults");
+    const char *bad =
+        bench_result(d,
+                     d->GetQueryPoolResults(d->session.device, vk->queries, first, count, sizeof ticks, ticks,
+                                            sizeof *ticks, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                     "vkGetQueryPoolResults");
     for (uint32_t i = 0; !bad && i + 1 < count; i++)
         ms[i] = (double)((ticks[i + 1] - ticks[i]) & vk->timestamp_mask) *
                 (double)d->session.properties.limits.timestampPeriod * 1e-6;

@@ -117,8 +117,8 @@ static void print_sprites(const scene *s, const vulkan_measure *m) {
     if (m->timed) {
         printf("append  %9.3f ms median (quartiles %.3f to %.3f)\n", m->append.median, m->append.quarter,
                m->append.three_quarters);
-        printf("draw    %9.3f ms median (quartiles %.3f to %.3f), %.2f times the append\n", m->draw.median, m->draw.quarter,
-               m->draw.three_quarters, m->draw_append.median);
+        printf("draw    %9.3f ms median (quartiles %.3f to %.3f), %.2f times the append\n", m->draw.median,
+               m->draw.quarter, m->draw.three_quarters, m->draw_append.median);
     }
     if (m->compared)
         printf("bokeh   %9.2f times the same without sprites, median (quartiles %.2f to %.2f)\n", m->highlights.median,

@@ -156,7 +156,8 @@ static ddof_status make_frame(vulkan_backend *b, const frame_job *job) {
 static void copy_counters(const vulkan_backend *b, const slot *s) {
     static const VkMemoryBarrier to_copy = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                             .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,
-                                            .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT},
+                                            .dstAccessMask =
+                                                VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT},
                                  to_host = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                             .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
                                             .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
@@ -164,8 +165,8 @@ static void copy_counters(const vulkan_backend *b, const slot *s) {
     b->f.CmdPipelineBarrier(s->commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
                             VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &to_copy, 0, NULL, 0, NULL);
     b->f.CmdCopyBuffer(s->commands, b->frame->scratch.buffer[BUFFER_SPRITE_STATE], b->pictures.buffer, 1, &region);
-    b->f.CmdPipelineBarrier(s->commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0, NULL, 0,
-                            NULL);
+    b->f.CmdPipelineBarrier(s->commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0,
+                            NULL, 0, NULL);
 }
 
 static void read_counters(const vulkan_backend *b, frame_job *job, const slot *s) {

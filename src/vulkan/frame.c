@@ -32,8 +32,8 @@ static ddof_status view(ddof_vulkan *vk, VkImage image, VkFormat format, uint32_
         .image = image,
         .viewType = VK_IMAGE_VIEW_TYPE_2D,
         .format = format,
-        .subresourceRange = {vulkan_format_is_depth(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, level, 1,
-                             layer, 1}};
+        .subresourceRange = {vulkan_format_is_depth(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
+                             level, 1, layer, 1}};
     return vulkan_device_check(vk, vk->f.CreateImageView(vk->config.device, &info, vk->allocator, made), what);
 }
 
@@ -47,7 +47,8 @@ static ddof_status view_scratch(ddof_vulkan_frame *f, vulkan_picture picture) {
     ddof_vulkan *vk = f->vk;
     const VkFormat format = vulkan_scratch_format(f, picture);
     const bool drawn = picture == PICTURE_LIGHT || picture == PICTURE_WEIGHT;
-    ddof_status status = view(vk, f->scratch.image[picture], format, 0, 0, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[picture], doing);
+    ddof_status status =
+        view(vk, f->scratch.image[picture], format, 0, 0, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[picture], doing);
     if (status != DDOF_OK) return status;
     return view(vk, f->scratch.image[picture], format, 0, 0,
                 drawn ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT : VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[picture], doing);

@@ -10,8 +10,8 @@
 /* The pictures that passes read and write. WORK is what is under way after a direction; of the heat kernel, where the
  * output can hold it, it is the output. ROWS: what a solver that reads neighbours' pixels has made of the rows. The
  * disc kernel has a component under way in WORK and IMAGINARY, and those done in SUM; where the output can hold that,
- * it is the output. Sprites are drawn into LIGHT and, of DDOF_BOKEH_FULL, WEIGHT. REMAINDER: what highlights leave of the
- * colour. */
+ * it is the output. Sprites are drawn into LIGHT and, of DDOF_BOKEH_FULL, WEIGHT. REMAINDER: what highlights leave of
+ * the colour. */
 typedef enum vulkan_picture {
     PICTURE_COLOR,
     PICTURE_ROWS,
@@ -68,14 +68,14 @@ struct ddof_vulkan_frame {
     ddof_surface surface;
     ddof_depth_kind depth_kind;
     bool is_depth, in_place, alpha;
-    const disc_kernel *disc;    /* NULL: the heat kernel */
+    const disc_kernel *disc; /* NULL: the heat kernel */
     vulkan_sprite_kind sprite_kind;
     struct vulkan_sprites *sprites; /* NULL: none are wanted */
     int colors;                     /* channels that shine; with alpha, the last is not one of them */
     vulkan_picture first;           /* what diffusion begins with: COLOR, or what highlights leave of it */
-    vulkan_picture output_also; /* WORK or SUM, where it lies in the output; else OUTPUT */
-    VkFormat work_format;       /* of the pictures in scratch, and of WORK */
-    VkFormat light_format;      /* of LIGHT */
+    vulkan_picture output_also;     /* WORK or SUM, where it lies in the output; else OUTPUT */
+    VkFormat work_format;           /* of the pictures in scratch, and of WORK */
+    VkFormat light_format;          /* of LIGHT */
     int map_shift;
     line_plan line[2]; /* along rows, along columns */
     vulkan_scratch scratch;

@@ -12,7 +12,7 @@
 #define VULKAN_INSTANCE_FUNCTIONS(X)                                                                                   \
     X(GetDeviceProcAddr)                                                                                               \
     X(GetPhysicalDeviceFeatures2)                                                                                      \
-    X(GetPhysicalDeviceFormatProperties2)                                                                               \
+    X(GetPhysicalDeviceFormatProperties2)                                                                              \
     X(GetPhysicalDeviceMemoryProperties)                                                                               \
     X(GetPhysicalDeviceProperties)                                                                                     \
     X(GetPhysicalDeviceProperties2)                                                                                    \

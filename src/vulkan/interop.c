@@ -189,8 +189,7 @@ static ddof_status check_output(ddof_vulkan *vk, ddof_vulkan_frame *f, bool made
     ddof_vulkan_images *i = &f->images;
     ddof_vulkan_image *out = &i->output;
     const VkImageUsageFlags usage =
-        VK_IMAGE_USAGE_STORAGE_BIT |
-        (vulkan_output_is_read(f) ? (VkImageUsageFlags)VK_IMAGE_USAGE_SAMPLED_BIT : 0);
+        VK_IMAGE_USAGE_STORAGE_BIT | (vulkan_output_is_read(f) ? (VkImageUsageFlags)VK_IMAGE_USAGE_SAMPLED_BIT : 0);
     ddof_status status =
         check_image(vk, out, "output", output_formats, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, usage, made);
     if (status != DDOF_OK) return status;
@@ -298,7 +297,8 @@ static ddof_status check_kinds(ddof_vulkan *vk, const ddof_vulkan_frame *f, cons
         return context_fail(&vk->shell, DDOF_ERROR_INVALID, "settings: depth.kind is none of ddof_depth_kind");
     const ddof_status status = check_settings(&vk->shell, &same, s);
     if (status != DDOF_OK || !s->layers) return status;
-    return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
+    return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
+                        "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
 }
 
 static ddof_status describe(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_vulkan_images *images,
@@ -408,7 +408,9 @@ static ddof_status check_same(ddof_vulkan_frame *f, const ddof_settings *s) {
     const disc_kernel *disc = disc_of(s);
     const vulkan_sprite_kind sprites = vulkan_sprite_kind_of(s);
     const char *differs = vulkan_sprite_kind_differs(&sprites, &f->sprite_kind);
-    if (s->layers) return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
+    if (s->layers)
+        return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED,
+                            "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
     if (s->method == DDOF_METHOD_GAUSSIAN || s->method == DDOF_METHOD_HEXAGON)
         return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED, "%s", vulkan_no_such_method);
     if (differs || solver != f->asked || surface != f->surface || disc != f->disc ||
@@ -468,7 +470,8 @@ ddof_status ddof_vulkan_frame_timestamps(ddof_vulkan_frame *frame, VkQueryPool p
     if (!frame) return DDOF_ERROR_INVALID;
     frame->shell.error[0] = 0;
     if (!frame->sprites)
-        return context_fail(&frame->shell, DDOF_ERROR_INVALID, "timestamps are of sprites, and this frame object has none");
+        return context_fail(&frame->shell, DDOF_ERROR_INVALID,
+                            "timestamps are of sprites, and this frame object has none");
     frame->sprites->timestamps = pool;
     frame->sprites->first_timestamp = first;
     return DDOF_OK;

@@ -38,7 +38,7 @@ typedef struct candidate {
     VkPhysicalDevice gpu;
     VkPhysicalDeviceType type;
     uint32_t version, family;
-    bool synchronization2, subgroup_size, driver, portability;                  /* extensions */
+    bool synchronization2, subgroup_size, driver, portability;          /* extensions */
     VkBool32 write_without_format, geometry, synchronized, sized, full; /* features */
     ddof_device shown;
 } candidate;
@@ -150,7 +150,8 @@ static bool find_family(const instance *in, candidate *c) {
     in->GetPhysicalDeviceQueueFamilyProperties(c->gpu, &count, family);
     for (uint32_t i = 0; i < count; i++) {
         if (!(family[i].queueFlags & VK_QUEUE_COMPUTE_BIT) || !family[i].queueCount) continue;
-        const int worth = 2 * ((family[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0) + (family[i].timestampValidBits != 0);
+        const int worth =
+            2 * ((family[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0) + (family[i].timestampValidBits != 0);
         if (worth <= best) continue;
         c->family = i;
         best = worth;
@@ -295,9 +296,10 @@ static void choose_features(vulkan_session *s, const candidate *c) {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES,
         .pNext = c->subgroup_size ? &s->subgroup_size : NULL,
         .synchronization2 = VK_TRUE};
-    s->features = (VkPhysicalDeviceFeatures2){.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                              .pNext = &s->synchronization2,
-                                              .features = {.geometryShader = c->geometry, .shaderStorageImageWriteWithoutFormat = VK_TRUE}};
+    s->features = (VkPhysicalDeviceFeatures2){
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+        .pNext = &s->synchronization2,
+        .features = {.geometryShader = c->geometry, .shaderStorageImageWriteWithoutFormat = VK_TRUE}};
 }
 
 static VkResult create_device(const instance *in, const candidate *c, const VkPhysicalDeviceFeatures2 *features,

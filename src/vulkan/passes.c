@@ -279,7 +279,8 @@ static void solve(direction *d) {
 
 /* ---- the frame */
 
-vulkan_picture_push vulkan_picture_push_of(const ddof_vulkan_frame *f, const frame_job *job, const vulkan_region *region) {
+vulkan_picture_push vulkan_picture_push_of(const ddof_vulkan_frame *f, const frame_job *job,
+                                           const vulkan_region *region) {
     const lens_curve *c = &job->curve;
     return (vulkan_picture_push){
         .lens_curve = {c->q_far, lens_q_near(c), c->gain_far, c->gain_near},

@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The shaders, and of those that diffuse one pipeline for each module and set of constants, made when a frame object that needs it is. */
+/* The shaders, and of those that diffuse one pipeline for each module and set of constants, made when a frame object
+ * that needs it is. */
 #ifndef DDOF_VULKAN_PIPELINES_H
 #define DDOF_VULKAN_PIPELINES_H
 
@@ -47,7 +48,7 @@ extern const vulkan_code vulkan_codes[VULKAN_MODULES];
 typedef struct vulkan_constants {
     int32_t workgroup;
     int32_t vertical; /* 0: rows, 1: columns; of the disc kernel: DISC_ROWS and so on */
-    int32_t depth; /* 0: the map holds CoC; else 1 + ddof_depth_kind */
+    int32_t depth;    /* 0: the map holds CoC; else 1 + ddof_depth_kind */
     int32_t alpha;
     int32_t half, target_half;
     int32_t last;

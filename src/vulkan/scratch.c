@@ -54,7 +54,8 @@ static ddof_status make_image(ddof_vulkan *vk, const ddof_vulkan_frame *frame, v
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
         .imageType = VK_IMAGE_TYPE_2D,
         .format = vulkan_scratch_format(frame, picture),
-        .extent = {drawn ? light.width : frame->images.color.width, drawn ? light.height : frame->images.color.height, 1},
+        .extent = {drawn ? light.width : frame->images.color.width, drawn ? light.height : frame->images.color.height,
+                   1},
         .mipLevels = 1,
         .arrayLayers = 1,
         .samples = VK_SAMPLE_COUNT_1_BIT,
@@ -74,8 +75,8 @@ VkFormat vulkan_scratch_format(const ddof_vulkan_frame *frame, vulkan_picture pi
 
 static VkBufferUsageFlags buffer_usage(vulkan_buffer buffer) {
     if (buffer == BUFFER_SPRITE_STATE)
-        return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-               VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+        return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     if (buffer == BUFFER_SPRITE_TABLES) return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 }
@@ -128,8 +129,9 @@ ddof_status vulkan_scratch_make(ddof_vulkan *vk, ddof_vulkan_frame *frame) {
         s->buffer_offset[i] = place(vk, s, &r);
     }
     if (s->total.memoryTypeBits) return DDOF_OK;
-    return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                        "this device (%s) has no memory for images and buffers alike: use the solver LINE, and no sprites", vk->name);
+    return context_fail(
+        &vk->shell, DDOF_ERROR_UNSUPPORTED,
+        "this device (%s) has no memory for images and buffers alike: use the solver LINE, and no sprites", vk->name);
 }
 
 static ddof_status allocate(ddof_vulkan *vk, vulkan_scratch *s) {

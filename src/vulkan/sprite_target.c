@@ -48,16 +48,18 @@ static ddof_status check_sizes(ddof_vulkan *vk, const ddof_vulkan_frame *f) {
     VkDeviceSize bytes[VULKAN_BUFFERS] = {0};
     if (size.width > limits->maxFramebufferWidth || size.height > limits->maxFramebufferHeight ||
         size.width > limits->maxImageDimension2D || size.height > limits->maxImageDimension2D)
-        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "settings.bokeh: sprites would be drawn into %u x %u pixels, more than this device (%s) has: take "
-                            "sprites.resolution HALF, or a smaller picture",
-                            size.width, size.height, vk->name);
+        return context_fail(
+            &vk->shell, DDOF_ERROR_UNSUPPORTED,
+            "settings.bokeh: sprites would be drawn into %u x %u pixels, more than this device (%s) has: take "
+            "sprites.resolution HALF, or a smaller picture",
+            size.width, size.height, vk->name);
     vulkan_sprites_bytes(f, bytes);
     if (bytes[BUFFER_SPRITE_LIST] > limits->maxStorageBufferRange)
-        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "settings.bokeh: a list of sprites of %llu bytes is more than this device (%s) has in a buffer: take "
-                            "fewer, or a smaller picture",
-                            (unsigned long long)bytes[BUFFER_SPRITE_LIST], vk->name);
+        return context_fail(
+            &vk->shell, DDOF_ERROR_UNSUPPORTED,
+            "settings.bokeh: a list of sprites of %llu bytes is more than this device (%s) has in a buffer: take "
+            "fewer, or a smaller picture",
+            (unsigned long long)bytes[BUFFER_SPRITE_LIST], vk->name);
     return DDOF_OK;
 }
 
@@ -67,16 +69,19 @@ ddof_status vulkan_sprites_choose(ddof_vulkan *vk, ddof_vulkan_frame *f, const d
     f->sprite_kind = vulkan_sprite_kind_of(s);
     if (!f->sprite_kind.bokeh) return DDOF_OK;
     if (!vk->graphics)
-        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "settings.bokeh: sprites are drawn, and config.queue_family does compute only: give one with graphics");
+        return context_fail(
+            &vk->shell, DDOF_ERROR_UNSUPPORTED,
+            "settings.bokeh: sprites are drawn, and config.queue_family does compute only: give one with graphics");
     if (f->sprite_kind.quads == DDOF_QUADS_GEOMETRY && !vk->geometry)
-        return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "settings.sprites.quads: the feature geometryShader is not enabled; take DDOF_QUADS_INSTANCED");
+        return context_fail(
+            &vk->shell, DDOF_ERROR_UNSUPPORTED,
+            "settings.sprites.quads: the feature geometryShader is not enabled; take DDOF_QUADS_INSTANCED");
     const bool full = f->sprite_kind.bokeh == DDOF_BOKEH_FULL;
     const bool exact = blends(vk, VK_FORMAT_R32G32B32A32_SFLOAT) && blends(vk, VK_FORMAT_R32_SFLOAT);
     if (full && !exact) /* in half floats a sprite of 60 pixels would vanish beside what is there already */
         return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
-                            "settings.bokeh: this device (%s) does not blend floats, which DDOF_BOKEH_FULL needs", vk->name);
+                            "settings.bokeh: this device (%s) does not blend floats, which DDOF_BOKEH_FULL needs",
+                            vk->name);
     f->light_format = exact ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
     return check_sizes(vk, f);
 }
@@ -93,11 +98,11 @@ void vulkan_sprites_bytes(const ddof_vulkan_frame *f, VkDeviceSize bytes[VULKAN_
 /* ---- descriptors */
 
 static const VkDescriptorType types[SPRITES_BINDINGS] = {
-    [SPRITES_COLOR] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,    [SPRITES_MAP] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+    [SPRITES_COLOR] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,     [SPRITES_MAP] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
     [SPRITES_REMAINDER] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, [SPRITES_OUTPUT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-    [SPRITES_STATE] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,   [SPRITES_LIST] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-    [SPRITES_TABLES] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,  [SPRITES_BLURRED] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
-    [SPRITES_LIGHT] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,    [SPRITES_WEIGHT] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+    [SPRITES_STATE] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,    [SPRITES_LIST] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+    [SPRITES_TABLES] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,   [SPRITES_BLURRED] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+    [SPRITES_LIGHT] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,     [SPRITES_WEIGHT] = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
 };
 
 static VkShaderStageFlags stages_of(const vulkan_sprites *s, uint32_t binding) {
@@ -137,7 +142,8 @@ static VkDescriptorImageInfo image_at(const ddof_vulkan_frame *f, uint32_t bindi
     case SPRITES_COLOR:
         return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->sampled[PICTURE_COLOR], f->images.color.layout};
     case SPRITES_MAP:
-        return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->map, f->is_depth ? f->images.depth.layout : f->images.coc.layout};
+        return (VkDescriptorImageInfo){VK_NULL_HANDLE, f->map,
+                                       f->is_depth ? f->images.depth.layout : f->images.coc.layout};
     case SPRITES_REMAINDER: /* COLOR is the output, where a pass takes light out of it */
         return (VkDescriptorImageInfo){
             VK_NULL_HANDLE, f->stored[f->first == PICTURE_COLOR ? PICTURE_OUTPUT : vulkan_place(f, f->first)], general};
@@ -166,12 +172,12 @@ static void write_set(const ddof_vulkan_frame *f) {
         if (is_buffer) buffer[i] = (VkDescriptorBufferInfo){f->scratch.buffer[buffer_of[i]], 0, VK_WHOLE_SIZE};
         if (!is_buffer) image[i] = image_at(f, i);
         write[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                                .dstSet = f->sprites->set,
-                                                .dstBinding = i,
-                                                .descriptorCount = 1,
-                                                .descriptorType = types[i],
-                                                .pImageInfo = is_buffer ? NULL : &image[i],
-                                                .pBufferInfo = is_buffer ? &buffer[i] : NULL};
+                                          .dstSet = f->sprites->set,
+                                          .dstBinding = i,
+                                          .descriptorCount = 1,
+                                          .descriptorType = types[i],
+                                          .pImageInfo = is_buffer ? NULL : &image[i],
+                                          .pBufferInfo = is_buffer ? &buffer[i] : NULL};
     }
     f->vk->f.UpdateDescriptorSets(f->vk->config.device, SPRITES_BINDINGS, write, 0, NULL);
 }
@@ -203,14 +209,15 @@ static VkResult make_render_pass(ddof_vulkan_frame *f) {
     const uint32_t targets = f->sprite_kind.bokeh == DDOF_BOKEH_FULL ? 2 : 1;
     VkAttachmentDescription attachment[2];
     for (uint32_t i = 0; i < targets; i++)
-        attachment[i] = (VkAttachmentDescription){.format = vulkan_scratch_format(f, i ? PICTURE_WEIGHT : PICTURE_LIGHT),
-                                                  .samples = VK_SAMPLE_COUNT_1_BIT,
-                                                  .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                                  .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-                                                  .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-                                                  .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                                                  .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-                                                  .finalLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+        attachment[i] =
+            (VkAttachmentDescription){.format = vulkan_scratch_format(f, i ? PICTURE_WEIGHT : PICTURE_LIGHT),
+                                      .samples = VK_SAMPLE_COUNT_1_BIT,
+                                      .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                      .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                                      .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                                      .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                      .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+                                      .finalLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     static const VkAttachmentReference reference[2] = {{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
                                                        {1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}};
     const VkSubpassDescription subpass = {.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS,
@@ -266,7 +273,8 @@ static sprite_constants constants_of(const ddof_vulkan_frame *f, sprite_pass pas
     return (sprite_constants){.full = f->sprite_kind.bokeh == DDOF_BOKEH_FULL,
                               .depth = f->is_depth ? 1 + (int)f->depth_kind : 0,
                               .alpha = f->alpha,
-                              .target_half = (pass == SPRITES_RESOLVE ? output : remainder) == VK_FORMAT_R16G16B16A16_SFLOAT,
+                              .target_half =
+                                  (pass == SPRITES_RESOLVE ? output : remainder) == VK_FORMAT_R16G16B16A16_SFLOAT,
                               .half_size = f->sprite_kind.half,
                               .arguments = f->sprite_kind.append == DDOF_APPEND_ARGUMENTS,
                               .points = f->sprite_kind.quads == DDOF_QUADS_GEOMETRY,
@@ -319,22 +327,26 @@ static VkResult make_draw(ddof_vulkan_frame *f, const VkPipelineShaderStageCreat
     static const VkPipelineRasterizationStateCreateInfo raster = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1};
     static const VkPipelineMultisampleStateCreateInfo samples = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
     const VkPipelineColorBlendAttachmentState add = {.blendEnable = VK_TRUE,
                                                      .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
                                                      .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
                                                      .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
                                                      .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                     .colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
-                                                                       VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
+                                                     .colorWriteMask =
+                                                         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                                                         VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
     const VkPipelineColorBlendAttachmentState both[2] = {add, add};
     const VkPipelineColorBlendStateCreateInfo blend = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
         .attachmentCount = f->sprite_kind.bokeh == DDOF_BOKEH_FULL ? 2 : 1,
         .pAttachments = both};
     static const VkDynamicState dynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    static const VkPipelineDynamicStateCreateInfo later = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = dynamic};
+    static const VkPipelineDynamicStateCreateInfo later = {.sType =
+                                                               VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+                                                           .dynamicStateCount = 2,
+                                                           .pDynamicStates = dynamic};
     const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                .stageCount = stages,
                                                .pStages = stage,
@@ -375,7 +387,8 @@ static ddof_status make_graphics(ddof_vulkan_frame *f) {
                                                         .pSpecializationInfo = &specialization};
         if (status == DDOF_OK) made++;
     }
-    if (status == DDOF_OK) status = vulkan_device_check(vk, make_draw(f, stage, parts), "compiling the shaders of sprites");
+    if (status == DDOF_OK)
+        status = vulkan_device_check(vk, make_draw(f, stage, parts), "compiling the shaders of sprites");
     while (made-- > 0)
         vk->f.DestroyShaderModule(vk->config.device, stage[made].module, vk->allocator);
     return status;

@@ -11,10 +11,10 @@
 #include "../image.h"
 
 enum {
-    SIDE = 8,     /* pixels of a workgroup of the passes over the picture */
+    SIDE = 8,       /* pixels of a workgroup of the passes over the picture */
     HISTOGRAM = 32, /* likewise, of the histogram */
-    THREADS = 64, /* of a workgroup of the pass over the sprites */
-    UPDATE = 65536 /* bytes that a command writes at most */
+    THREADS = 64,   /* of a workgroup of the pass over the sprites */
+    UPDATE = 65536  /* bytes that a command writes at most */
 };
 
 /* ---- the iris */
@@ -89,30 +89,32 @@ typedef struct recording {
     int dispatches;
 } recording;
 
-static recording begin(const ddof_vulkan_frame *f, VkCommandBuffer commands, const frame_job *job, const vulkan_region *region) {
+static recording begin(const ddof_vulkan_frame *f, VkCommandBuffer commands, const frame_job *job,
+                       const vulkan_region *region) {
     const bokeh_limits limits = bokeh_limits_of(job);
     const bool full = f->sprite_kind.bokeh == DDOF_BOKEH_FULL;
     const VkExtent2D target = vulkan_light_size_of(&f->sprite_kind, region->width, region->height);
     const double area = fmin(floor(limits.max_area * 16), 0x1p62);
     const uint64_t most_area = (uint64_t)area;
-    return (recording){.frame = f,
-                       .commands = commands,
-                       .push = {.picture = vulkan_picture_push_of(f, job, region),
-                                .width = region->width,
-                                .height = region->height,
-                                .target_width = (int32_t)target.width,
-                                .part_height = (int32_t)(full ? target.height / 2 : target.height),
-                                .levels = bokeh_level(iris_node(limits.largest), limits.half) + 1,
-                                .colors = f->colors,
-                                .threshold = limits.threshold,
-                                .largest = limits.largest,
-                                .most = full ? (uint32_t)region->width * (uint32_t)region->height : (uint32_t)limits.max_sprites,
-                                .most_area_low = (uint32_t)most_area,
-                                .most_area_high = (uint32_t)(most_area >> 32)}};
+    return (recording){
+        .frame = f,
+        .commands = commands,
+        .push = {.picture = vulkan_picture_push_of(f, job, region),
+                 .width = region->width,
+                 .height = region->height,
+                 .target_width = (int32_t)target.width,
+                 .part_height = (int32_t)(full ? target.height / 2 : target.height),
+                 .levels = bokeh_level(iris_node(limits.largest), limits.half) + 1,
+                 .colors = f->colors,
+                 .threshold = limits.threshold,
+                 .largest = limits.largest,
+                 .most = full ? (uint32_t)region->width * (uint32_t)region->height : (uint32_t)limits.max_sprites,
+                 .most_area_low = (uint32_t)most_area,
+                 .most_area_high = (uint32_t)(most_area >> 32)}};
 }
 
-static void order(const recording *r, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from, VkPipelineStageFlags2 to_stage,
-                  VkAccessFlags2 to) {
+static void order(const recording *r, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from,
+                  VkPipelineStageFlags2 to_stage, VkAccessFlags2 to) {
     const VkMemoryBarrier2 memory = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                                      .srcStageMask = from_stage,
                                      .srcAccessMask = from,
@@ -123,7 +125,8 @@ static void order(const recording *r, VkPipelineStageFlags2 from_stage, VkAccess
     r->frame->vk->f.CmdPipelineBarrier2(r->commands, &info);
 }
 
-static const VkPipelineStageFlags2 COMPUTE = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, COPY = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+static const VkPipelineStageFlags2 COMPUTE = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                   COPY = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
 static const VkAccessFlags2 READ = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
                             WRITE = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
 
@@ -156,7 +159,8 @@ static void mark(const recording *r, uint32_t which) {
 
 static void update(const recording *r, VkBuffer buffer, VkDeviceSize from, VkDeviceSize to, const void *data) {
     for (VkDeviceSize at = from; at < to; at += UPDATE)
-        r->frame->vk->f.CmdUpdateBuffer(r->commands, buffer, at, to - at < UPDATE ? to - at : UPDATE, (const char *)data + at);
+        r->frame->vk->f.CmdUpdateBuffer(r->commands, buffer, at, to - at < UPDATE ? to - at : UPDATE,
+                                        (const char *)data + at);
 }
 
 /* Counters to 0, and the iris to where shaders read it. What used them before has been waited for by compute alone. */
@@ -168,8 +172,8 @@ static void write_buffers(const recording *r) {
     order(r, COMPUTE, 0, COPY, VK_ACCESS_2_TRANSFER_WRITE_BIT);
     update(r, state, 0, sizeof fresh, &fresh);
     f->vk->f.CmdFillBuffer(r->commands, state, sizeof fresh, VK_WHOLE_SIZE, 0);
-    update(r, f->scratch.buffer[BUFFER_SPRITE_TABLES], 0, image ? sizeof(sprite_tables) : offsetof(sprite_tables, texel),
-           &f->sprites->tables);
+    update(r, f->scratch.buffer[BUFFER_SPRITE_TABLES], 0,
+           image ? sizeof(sprite_tables) : offsetof(sprite_tables, texel), &f->sprites->tables);
     order(r, COPY, VK_ACCESS_2_TRANSFER_WRITE_BIT, COMPUTE, READ | WRITE);
 }
 
@@ -179,7 +183,8 @@ static void copy_count(const recording *r) {
     const VkBuffer state = f->scratch.buffer[BUFFER_SPRITE_STATE];
     const bool points = f->sprite_kind.quads == DDOF_QUADS_GEOMETRY;
     const VkBufferCopy region = {offsetof(sprite_state, count),
-                                 points ? offsetof(sprite_state, draw.vertexCount) : offsetof(sprite_state, draw.instanceCount),
+                                 points ? offsetof(sprite_state, draw.vertexCount)
+                                        : offsetof(sprite_state, draw.instanceCount),
                                  sizeof(uint32_t)};
     order(r, COMPUTE, WRITE, COPY, VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
     f->vk->f.CmdCopyBuffer(r->commands, state, state, 1, &region);
@@ -205,7 +210,8 @@ static void draw(const recording *r) {
     v->CmdEndRenderPass(r->commands);
 }
 
-int vulkan_sprites_draw(const ddof_vulkan_frame *f, VkCommandBuffer commands, const frame_job *job, const vulkan_region *region) {
+int vulkan_sprites_draw(const ddof_vulkan_frame *f, VkCommandBuffer commands, const frame_job *job,
+                        const vulkan_region *region) {
     recording r = begin(f, commands, job, region);
     const bool full = f->sprite_kind.bokeh == DDOF_BOKEH_FULL;
     write_buffers(&r);
@@ -215,7 +221,8 @@ int vulkan_sprites_draw(const ddof_vulkan_frame *f, VkCommandBuffer commands, co
         dispatch(&r, SPRITES_RAISE, 1, 1);
     }
     over_picture(&r, SPRITES_APPEND);
-    if (f->sprites->pipeline[SPRITES_TAKE]) dispatch(&r, SPRITES_TAKE, (f->sprite_kind.most + THREADS - 1) / THREADS, 1);
+    if (f->sprites->pipeline[SPRITES_TAKE])
+        dispatch(&r, SPRITES_TAKE, (f->sprite_kind.most + THREADS - 1) / THREADS, 1);
     if (f->sprite_kind.append == DDOF_APPEND_COUNTER) copy_count(&r);
     mark(&r, 1);
     draw(&r);

@@ -1,15 +1,15 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Sprites (../bokeh.h) of a frame object. All on the device: what becomes a sprite is listed by compute passes, the list's length
- * becomes the argument of one draw, and a compute pass lays what was drawn over the picture.
+/* Sprites (../bokeh.h) of a frame object. All on the device: what becomes a sprite is listed by compute passes, the
+ * list's length becomes the argument of one draw, and a compute pass lays what was drawn over the picture.
  *
  *   HIGHLIGHTS  histogram, raise, append, take (in place), draw, the passes of diffusion, resolve
  *   FULL        append, draw, resolve
  *
- * LIGHT has room for all levels of ../bokeh.h: the first, and below it the others side by side. Of FULL it has that twice, and so has
- * WEIGHT: the upper half for what lies behind the focus, the lower for what lies before it. Sprites are cut off where their level ends, by
- * their rectangles: so one viewport and one draw do. */
+ * LIGHT has room for all levels of ../bokeh.h: the first, and below it the others side by side. Of FULL it has that
+ * twice, and so has WEIGHT: the upper half for what lies behind the focus, the lower for what lies before it. Sprites
+ * are cut off where their level ends, by their rectangles: so one viewport and one draw do. */
 #ifndef DDOF_VULKAN_SPRITES_H
 #define DDOF_VULKAN_SPRITES_H
 
@@ -95,7 +95,8 @@ typedef struct vulkan_sprites {
 /* How many bytes each buffer needs; 0: none. */
 void vulkan_sprites_bytes(const ddof_vulkan_frame *frame, VkDeviceSize bytes[VULKAN_BUFFERS]);
 
-/* sprite_target.c: what is drawn into, and pipelines. Views of the frame's pictures are there. On failure: _delete(). */
+/* sprite_target.c: what is drawn into, and pipelines. Views of the frame's pictures are there. On failure: _delete().
+ */
 ddof_status vulkan_sprites_make(ddof_vulkan_frame *frame);
 void vulkan_sprites_delete(ddof_vulkan_frame *frame);
 
@@ -111,7 +112,8 @@ const char *vulkan_sprite_kind_differs(const vulkan_sprite_kind *a, const vulkan
 ddof_status vulkan_sprites_prepare(ddof_vulkan_frame *frame, const frame_job *job);
 
 /* Record what comes before diffusion, and after it. Nothing can fail. Return how many dispatches there were. */
-int vulkan_sprites_draw(const ddof_vulkan_frame *frame, VkCommandBuffer commands, const frame_job *job, const vulkan_region *region);
+int vulkan_sprites_draw(const ddof_vulkan_frame *frame, VkCommandBuffer commands, const frame_job *job,
+                        const vulkan_region *region);
 int vulkan_sprites_resolve(const ddof_vulkan_frame *frame, VkCommandBuffer commands, const frame_job *job,
                            const vulkan_region *region);
 

@@ -21,8 +21,8 @@ static void tear_down(void) {
 
 /* ---- scenes */
 
-/* A dim picture with `lights` pixels of up to `brightest`; CoC in stripes of -widest to widest, with nodes of the iris's tables
- * (exp2(k/64)), so that no driver's logarithm can tell a neighbouring one. */
+/* A dim picture with `lights` pixels of up to `brightest`; CoC in stripes of -widest to widest, with nodes of the
+ * iris's tables (exp2(k/64)), so that no driver's logarithm can tell a neighbouring one. */
 static scene lights_scene(int width, int height, int lights, float brightest, float widest, uint64_t seed) {
     rng r = {seed};
     scene s = scene_make(width, height, true);
@@ -31,13 +31,15 @@ static scene lights_scene(int width, int height, int lights, float brightest, fl
         const int stripe = 8 * (i % width) / width;
         const float part = exp2f(-(float)(stripe % 4)) * (stripe < 4 ? -1 : 1);
         s.coc[i] = stripe == 3 ? 0 : exp2f(floorf(64 * log2f(widest)) / 64) * part;
-        for (int c = 0; c < 4; c++) s.color[4 * i + c] *= c < 3 ? 0.5f : 1;
+        for (int c = 0; c < 4; c++)
+            s.color[4 * i + c] *= c < 3 ? 0.5f : 1;
     }
     for (int i = 0; i < lights; i++) {
         const int at = rng_range(&r, 0, width * height - 1);
         float *p = s.color + 4 * (ptrdiff_t)at;
         if (s.coc[at] == 0) continue; /* the brightest of the result would be one that stays sharp */
-        for (int c = 0; c < 3; c++) p[c] = brightest * (float)(0.3 + 0.7 * rng_unit(&r));
+        for (int c = 0; c < 3; c++)
+            p[c] = brightest * (float)(0.3 + 0.7 * rng_unit(&r));
         p[3] = 1;
     }
     return s;
@@ -70,11 +72,12 @@ static comparison compare(const scene *s, const ddof_frame *frame, const ddof_se
 /* Drivers' logarithms, cosines and exponentials are good to about 1e-4. */
 static const double exact = 1e-3;
 
-static comparison check(const scene *s, const ddof_frame *frame, const ddof_settings *settings, double allowed, const char *what) {
+static comparison check(const scene *s, const ddof_frame *frame, const ddof_settings *settings, double allowed,
+                        const char *what) {
     const comparison c = compare(s, frame, settings);
     if (!(c.error <= allowed))
-        fail_msg("%s, %d x %d, bokeh %d, resolution %d: the error is %.3g of the brightest, allowed %.3g", what, s->width, s->height,
-                 settings->bokeh, settings->sprites.resolution, c.error, allowed);
+        fail_msg("%s, %d x %d, bokeh %d, resolution %d: the error is %.3g of the brightest, allowed %.3g", what,
+                 s->width, s->height, settings->bokeh, settings->sprites.resolution, c.error, allowed);
     assert_int_equal(c.got.sprites_dropped, c.want.sprites_dropped);
     assert_int_equal(c.got.sprites_large, c.want.sprites_large);
     if (settings->bokeh == DDOF_BOKEH_HIGHLIGHTS) assert_int_equal(c.got.sprites, c.want.sprites);
@@ -92,7 +95,8 @@ static ddof_settings kind(int k) {
 static void shapes(void **state) {
     (void)state;
     float image[24 * 20];
-    for (int i = 0; i < COUNT(image); i++) image[i] = (float)(1 + i % 24) * (i / 24 > 3 && i / 24 < 16 ? 1 : 0.2f);
+    for (int i = 0; i < COUNT(image); i++)
+        image[i] = (float)(1 + i % 24) * (i / 24 > 3 && i / 24 < 16 ? 1 : 0.2f);
     const struct {
         const char *name;
         ddof_iris iris;
@@ -106,7 +110,14 @@ static void shapes(void **state) {
         {"squeeze", {.squeeze = 2, .rotation = 30}},
         {"fringe", {.fringe = 0.2}},
         {"all of it",
-         {.shape = DDOF_IRIS_POLYGON, .blades = 7, .rotation = 5, .curvature = 0.3, .edge = -0.4, .cats_eye = 0.5, .squeeze = 1.5, .fringe = -0.1}},
+         {.shape = DDOF_IRIS_POLYGON,
+          .blades = 7,
+          .rotation = 5,
+          .curvature = 0.3,
+          .edge = -0.4,
+          .cats_eye = 0.5,
+          .squeeze = 1.5,
+          .fringe = -0.1}},
     };
     for (int k = 0; k < KINDS; k++)
         for (int i = 0; i < COUNT(shape); i += GPU_STEP) {
@@ -120,7 +131,8 @@ static void shapes(void **state) {
         }
 }
 
-/* Sprites of 25 to 200 pixels, which are drawn at four levels, in the middle of a larger picture, with pixels that are not square. */
+/* Sprites of 25 to 200 pixels, which are drawn at four levels, in the middle of a larger picture, with pixels that are
+ * not square. */
 static void levels(void **state) {
     (void)state;
     for (int k = 0; k < KINDS; k += 3) {
@@ -162,7 +174,8 @@ static void numbers(void **state) {
     scene s = lights_scene(64, 48, 0, 0, 12, 430);
     ddof_frame frame = scene_frame(&s);
     assert_int_equal(check(&s, &frame, &settings, exact, "no light").got.sprites, 0);
-    for (int c = 0; c < 3; c++) s.color[4 * (20 * 64 + 10) + c] = 30;
+    for (int c = 0; c < 3; c++)
+        s.color[4 * (20 * 64 + 10) + c] = 30;
     assert_int_equal(check(&s, &frame, &settings, exact, "one light").got.sprites, 1);
     scene_free(&s);
 
@@ -170,14 +183,16 @@ static void numbers(void **state) {
     s = lights_scene(side, side, 0, 0, 12, 432);
     frame = scene_frame(&s);
     for (int i = 0; i < side * side; i++)
-        for (int c = 0; c < 3; c++) s.color[4 * i + c] = (float)fmin(2 / sqrt(rng_unit(&r)), 1e4); /* a few are far brighter than most */
+        for (int c = 0; c < 3; c++)
+            s.color[4 * i + c] = (float)fmin(2 / sqrt(rng_unit(&r)), 1e4); /* a few are far brighter than most */
     settings.sprites.max_sprites = 1500;
     const comparison some = check(&s, &frame, &settings, exact, "too many lights");
     assert_true(some.got.sprites > 1000 && some.got.sprites <= 1500 && some.got.sprites_dropped > side * side / 2);
     settings.sprites.max_sprites = 1;
     const comparison one = check(&s, &frame, &settings, exact, "room for one");
     assert_true(one.got.sprites <= 1);
-    for (int i = 0; i < side * side * 4; i++) s.color[i] = 3;
+    for (int i = 0; i < side * side * 4; i++)
+        s.color[i] = 3;
     assert_int_equal(check(&s, &frame, &settings, exact, "all alike").got.sprites, 0);
     settings.sprites.max_sprites = 0;
     settings.sprites.max_area = 1;
@@ -229,12 +244,14 @@ static void images(void **state) {
             ddof_frame frame = scene_frame(&s);
             frame.color.channels = frame.output.channels = channels;
             if (channels % 2 == 0) frame.color.alpha = DDOF_ALPHA_STRAIGHT;
-            for (int i = 0; i < 90 * 60; i++) s.color[4 * i + (channels == 2)] = (float)(i % 4 + 1) / 4;
+            for (int i = 0; i < 90 * 60; i++)
+                s.color[4 * i + (channels == 2)] = (float)(i % 4 + 1) / 4;
             ddof_settings settings = kind(k);
             settings.iris.fringe = 0.2;
             settings.sprites.threshold = 0.6;
             check(&s, &frame, &settings, exact, "channels");
-            for (int i = 0; i < 90 * 60 * 4; i++) s.color[i] *= 1e-6f;
+            for (int i = 0; i < 90 * 60 * 4; i++)
+                s.color[i] *= 1e-6f;
             settings.sprites.threshold = 0.6e-6;
             if (channels != 2 && channels != 4) check(&s, &frame, &settings, exact, "dark");
             settings.surface = DDOF_SURFACE_RGBA16F;
@@ -251,14 +268,17 @@ static void energy(void **state) {
         scene s = scene_make(W, H, true);
         const ddof_frame frame = scene_frame(&s);
         memset(s.color, 0, sizeof(float) * 4 * W * H);
-        for (int i = 0; i < W * H; i++) s.coc[i] = k % 3 ? 21 : -21;
-        for (int c = 0; c < 3; c++) s.color[4 * (36 * W + 47) + c] = 800;
+        for (int i = 0; i < W * H; i++)
+            s.coc[i] = k % 3 ? 21 : -21;
+        for (int c = 0; c < 3; c++)
+            s.color[4 * (36 * W + 47) + c] = 800;
         ddof_settings settings = kind(k % KINDS);
         settings.surface = k / KINDS ? DDOF_SURFACE_RGBA16F : DDOF_SURFACE_RGBA32F;
         settings.iris = (ddof_iris){.shape = DDOF_IRIS_POLYGON, .blades = 6};
         double sum = 0;
         render(gpu, &frame, &settings);
-        for (int i = 0; i < W * H; i++) sum += (double)s.output[4 * i];
+        for (int i = 0; i < W * H; i++)
+            sum += (double)s.output[4 * i];
         const double off = fabs(sum / 800 - 1);
         if (settings.bokeh == DDOF_BOKEH_FULL) { /* light is spread by what overlaps: here by one disc each */
             if (!(off <= 1e-2)) fail_msg("FULL: %g of the light is lost or made", off);
@@ -292,7 +312,8 @@ static void holes(void **state) {
                 if (isfinite(s.color[i])) s.color[i] = 0.5f;
             assert_true(render(gpu, &frame, &settings).nonfinite_pixels > 20);
             for (int i = 0; i < 90 * 60 * 4; i++)
-                if (!(fabsf(s.output[i] - 0.5f) <= 1e-4f)) fail_msg("value %d of a constant picture with holes is %g", i, (double)s.output[i]);
+                if (!(fabsf(s.output[i] - 0.5f) <= 1e-4f))
+                    fail_msg("value %d of a constant picture with holes is %g", i, (double)s.output[i]);
         }
         scene_free(&s);
     }
@@ -319,7 +340,8 @@ static void depth(void **state) {
         for (int i = 0; i < COUNT(kinds); i++) {
             scene s = lights_scene(120, 70, 12, 50, 16, 490);
             ddof_frame frame = scene_frame(&s);
-            for (int p = 0; p < 120 * 70; p++) s.coc[p] = p % 120 < 40 ? 1 : p % 120 < 80 ? 2 : 8;
+            for (int p = 0; p < 120 * 70; p++)
+                s.coc[p] = p % 120 < 40 ? 1 : p % 120 < 80 ? 2 : 8;
             frame.depth = frame.coc;
             frame.coc = (ddof_image){0};
             ddof_settings settings = kind(k);
@@ -335,12 +357,14 @@ static void refused(void **state) {
     scene s = lights_scene(20, 20, 2, 50, 16, 500);
     const ddof_frame frame = scene_frame(&s);
     for (int m = DDOF_METHOD_GAUSSIAN; m <= DDOF_METHOD_HEXAGON; m++) {
-        assert_int_equal(ddof_render(gpu, &frame, &(ddof_settings){.method = (ddof_method)m}, NULL), DDOF_ERROR_UNSUPPORTED);
+        assert_int_equal(ddof_render(gpu, &frame, &(ddof_settings){.method = (ddof_method)m}, NULL),
+                         DDOF_ERROR_UNSUPPORTED);
         assert_non_null(strstr(ddof_error(gpu), "settings.method"));
     }
     float dark[4] = {0};
     ddof_settings settings = kind(0);
-    settings.iris = (ddof_iris){.shape = DDOF_IRIS_IMAGE, .image = ddof_image_interleaved(dark, 2, 2, 1, DDOF_FLOAT, 0)};
+    settings.iris =
+        (ddof_iris){.shape = DDOF_IRIS_IMAGE, .image = ddof_image_interleaved(dark, 2, 2, 1, DDOF_FLOAT, 0)};
     assert_int_equal(ddof_render(gpu, &frame, &settings, NULL), DDOF_ERROR_INVALID);
     render(gpu, &frame, &(ddof_settings){0});
     scene_free(&s);

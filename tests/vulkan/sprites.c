@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Sprites in recorded commands: pictures of every kind against the CPU's, what is made and what recording makes, and what is
- * refused. */
+/* Sprites in recorded commands: pictures of every kind against the CPU's, what is made and what recording makes, and
+ * what is refused. */
 #include "../library/allocator.h"
 #include "pictures.h"
 
@@ -20,7 +20,8 @@ static frame_set sprite_set(frame_kind kind, uint64_t seed) {
     kind.sampled = true;
     frame_set set = set_make(kind, seed);
     for (int i = 0; i < kind.width * kind.height && !kind.is_depth; i++) {
-        const int x = i % kind.width / 2 * 2, y = i / kind.width / 2 * 2; /* one for 2 x 2 pixels: the map may be of half size */
+        const int x = i % kind.width / 2 * 2,
+                  y = i / kind.width / 2 * 2; /* one for 2 x 2 pixels: the map may be of half size */
         const float d = exp2f((float)((x * 5 + y * 3) % 4 + 2));
         set.values.coc[i] = (x / 16 + y / 16) % 3 == 0 ? 0 : (x / 16) % 2 ? -d : d;
     }
@@ -30,8 +31,8 @@ static frame_set sprite_set(frame_kind kind, uint64_t seed) {
 
 /* ---- pictures */
 
-static void check(ddof_vulkan *vk, frame_set *set, const ddof_vulkan_view *view, const ddof_settings *settings, double allowed,
-                  const char *what) {
+static void check(ddof_vulkan *vk, frame_set *set, const ddof_vulkan_view *view, const ddof_settings *settings,
+                  double allowed, const char *what) {
     float *want = set_want(set, view, settings);
     set_render(vk, set, view, settings);
     set_compare(set, view, want, allowed, "%s, bokeh %d, %s to %s", what, settings->bokeh, format_name(set->kind.color),
@@ -78,7 +79,8 @@ static void depth(void **state) {
         settings.depth = depth_settings.depth;
         settings.lens = depth_settings.lens;
         settings.lens.f_number = 0.3;
-        check(vk, &set, NULL, &settings, 1e-2, "depth"); /* of a CoC for each pixel, some lie between two nodes: 1 % of a sprite */
+        check(vk, &set, NULL, &settings, 1e-2,
+              "depth"); /* of a CoC for each pixel, some lie between two nodes: 1 % of a sprite */
         set_free(&set);
     }
     destroy(&vk);
@@ -89,14 +91,22 @@ static void views(void **state) {
     static const ddof_vulkan_view view[] = {{.x = 10, .y = 6, .width = 41, .height = 30},
                                             {.width = 75, .height = 1},
                                             {.x = 74, .y = 49, .width = 1, .height = 1},
-                                            {.x = 2, .y = 2, .width = 60, .height = 44, .picture_width = 200,
-                                             .picture_height = 100, .offset_x = 30, .offset_y = 20, .pixel_aspect = 0.8}};
+                                            {.x = 2,
+                                             .y = 2,
+                                             .width = 60,
+                                             .height = 44,
+                                             .picture_width = 200,
+                                             .picture_height = 100,
+                                             .offset_x = 30,
+                                             .offset_y = 20,
+                                             .pixel_aspect = 0.8}};
     (void)state;
     ddof_vulkan *vk = create();
     for (int k = 0; k < 2; k++) {
         ddof_settings settings = settings_of(k ? DDOF_BOKEH_FULL : DDOF_BOKEH_HIGHLIGHTS);
         settings.iris = (ddof_iris){.cats_eye = 0.5};
-        frame_set set = sprite_set((frame_kind){.width = 75, .height = 50, .output = VK_FORMAT_R32G32B32A32_SFLOAT}, 602);
+        frame_set set =
+            sprite_set((frame_kind){.width = 75, .height = 50, .output = VK_FORMAT_R32G32B32A32_SFLOAT}, 602);
         ddof_vulkan_frame *frame = frame_of(vk, &set, &settings);
         for (int i = 0; i < COUNT(view); i++) {
             float *want = set_want(&set, &view[i], &settings);
@@ -122,8 +132,10 @@ static void irises(void **state) {
     frame_set set = sprite_set((frame_kind){.width = 75, .height = 50, .output = VK_FORMAT_R32G32B32A32_SFLOAT}, 603);
     ddof_vulkan_frame *frame = frame_of(vk, &set, &settings);
     for (int i = 0; i < 4; i++) {
-        for (int k = 0; k < 64; k++) image[k] = k % 8 > 2 * i ? 1 : 0.2f;
-        settings.iris = (ddof_iris){.shape = DDOF_IRIS_IMAGE, .image = ddof_image_interleaved(image, 8, 8, 1, DDOF_FLOAT, 0)};
+        for (int k = 0; k < 64; k++)
+            image[k] = k % 8 > 2 * i ? 1 : 0.2f;
+        settings.iris =
+            (ddof_iris){.shape = DDOF_IRIS_IMAGE, .image = ddof_image_interleaved(image, 8, 8, 1, DDOF_FLOAT, 0)};
         if (i == 3) settings.iris = (ddof_iris){.shape = DDOF_IRIS_POLYGON, .blades = 4};
         float *want = set_want(&set, NULL, &settings);
         VkCommandBuffer commands = own_begin();
@@ -132,14 +144,16 @@ static void irises(void **state) {
                                        .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,
                                        .dstAccessMask = VK_ACCESS_SHADER_WRITE_BIT};
         VK(vkCmdPipelineBarrier)
-        (commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &again, 0, NULL, 0, NULL);
+        (commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &again, 0, NULL, 0,
+         NULL);
         record(frame, commands, NULL, &settings, NULL);
         own_finish(commands);
         set_compare(&set, NULL, want, 1e-3, "iris %d", i);
         fenced_free(want);
     }
     memset(image, 0, sizeof image);
-    settings.iris = (ddof_iris){.shape = DDOF_IRIS_IMAGE, .image = ddof_image_interleaved(image, 8, 8, 1, DDOF_FLOAT, 0)};
+    settings.iris =
+        (ddof_iris){.shape = DDOF_IRIS_IMAGE, .image = ddof_image_interleaved(image, 8, 8, 1, DDOF_FLOAT, 0)};
     VkCommandBuffer commands = own_begin();
     assert_int_equal(ddof_vulkan_record(frame, commands, NULL, &settings, NULL), DDOF_ERROR_INVALID);
     assert_non_null(strstr(ddof_vulkan_frame_error(frame), "iris.image"));
@@ -161,7 +175,8 @@ static void shared_scratch(void **state) {
     VkMemoryRequirements needs[2];
     ddof_vulkan_frame *frame[2];
     float *want[2];
-    for (int i = 0; i < 2; i++) assert_int_equal(ddof_vulkan_scratch(vk, &set[i].images, &settings[i], &needs[i]), DDOF_OK);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(ddof_vulkan_scratch(vk, &set[i].images, &settings[i], &needs[i]), DDOF_OK);
     assert_true(needs[0].size > needs[1].size && needs[1].size > 0);
     const VkDeviceMemory memory = own_memory(needs[0].size, needs[0].memoryTypeBits & needs[1].memoryTypeBits, 0);
     for (int i = 0; i < 2; i++) {
@@ -176,9 +191,9 @@ static void shared_scratch(void **state) {
         const VkMemoryBarrier again = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                        .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,
                                        .dstAccessMask = VK_ACCESS_SHADER_WRITE_BIT};
-        if (i > 1)
-            VK(vkCmdPipelineBarrier)
-        (commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &again, 0, NULL, 0, NULL);
+        if (i > 1) VK(vkCmdPipelineBarrier)
+        (commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &again, 0, NULL, 0,
+         NULL);
         record(frame[i % 2], commands, NULL, &settings[i % 2], &stats);
         assert_int_equal(stats.scratch_bytes, needs[i % 2].size);
     }
@@ -211,7 +226,8 @@ static void recording(void **state) {
         assert_int_equal(ddof_vulkan_create(&vk, &config), DDOF_OK);
         ddof_settings settings = settings_of(full ? DDOF_BOKEH_FULL : DDOF_BOKEH_HIGHLIGHTS);
         settings.sprites.append = in_place ? DDOF_APPEND_ARGUMENTS : DDOF_APPEND_COUNTER;
-        frame_set set = sprite_set((frame_kind){.width = 64, .height = 40, .output = in_place ? 0 : VK_FORMAT_R32G32B32A32_SFLOAT}, 606);
+        frame_set set = sprite_set(
+            (frame_kind){.width = 64, .height = 40, .output = in_place ? 0 : VK_FORMAT_R32G32B32A32_SFLOAT}, 606);
         ddof_vulkan_frame *frame = frame_of(vk, &set, &settings);
         const int calls = tap.calls, live = tap.live, allocations = host.allocations, blocks = memory.calls;
         for (int i = 0; i < 3; i++) {
@@ -261,7 +277,8 @@ static void frames_fail(void **state) {
             tap.fail_at = at;
             tap.fail_with = at % 2 ? VK_ERROR_OUT_OF_HOST_MEMORY : VK_ERROR_OUT_OF_DEVICE_MEMORY;
             const ddof_status status = ddof_vulkan_frame_create(vk, &frame, &set.images, &settings);
-            if (status != (at % 2 ? DDOF_ERROR_MEMORY : DDOF_ERROR_DEVICE)) fail_msg("call %d: %s", at, ddof_status_text(status));
+            if (status != (at % 2 ? DDOF_ERROR_MEMORY : DDOF_ERROR_DEVICE))
+                fail_msg("call %d: %s", at, ddof_status_text(status));
             assert_null(frame);
             if (!strstr(ddof_vulkan_error(vk), "memory")) fail_msg("call %d: \"%s\"", at, ddof_vulkan_error(vk));
             assert_int_equal(tap.live, live);
@@ -274,15 +291,17 @@ static void frames_fail(void **state) {
 
 /* ---- what is refused */
 
-static void refused(ddof_vulkan *vk, const ddof_vulkan_images *images, const ddof_settings *settings, ddof_status status,
-                    const char *part) {
+static void refused(ddof_vulkan *vk, const ddof_vulkan_images *images, const ddof_settings *settings,
+                    ddof_status status, const char *part) {
     ddof_vulkan_frame *frame = (ddof_vulkan_frame *)&tap;
     VkMemoryRequirements needs;
     const int live = tap.live;
     for (int i = 0; i < 2; i++) {
-        const ddof_status got = i ? ddof_vulkan_scratch(vk, images, settings, &needs) : ddof_vulkan_frame_create(vk, &frame, images, settings);
+        const ddof_status got = i ? ddof_vulkan_scratch(vk, images, settings, &needs)
+                                  : ddof_vulkan_frame_create(vk, &frame, images, settings);
         if (got != status) fail_msg("\"%s\": %s, not %s", part, ddof_status_text(got), ddof_status_text(status));
-        if (!strstr(ddof_vulkan_error(vk), part)) fail_msg("\"%s\" says nothing of \"%s\"", ddof_vulkan_error(vk), part);
+        if (!strstr(ddof_vulkan_error(vk), part))
+            fail_msg("\"%s\" says nothing of \"%s\"", ddof_vulkan_error(vk), part);
         assert_null(frame);
         assert_int_equal(tap.live, live);
     }
@@ -353,7 +372,8 @@ static void other_settings(void **state) {
     ddof_vulkan_frame *frame = frame_of(vk, &set, &good);
     VkCommandBuffer commands = own_begin();
     ddof_settings s[7];
-    for (int i = 0; i < COUNT(s); i++) s[i] = good;
+    for (int i = 0; i < COUNT(s); i++)
+        s[i] = good;
     s[0].bokeh = DDOF_BOKEH_OFF;
     s[1].bokeh = DDOF_BOKEH_FULL;
     s[2].sprites.resolution = DDOF_RESOLUTION_HALF;
@@ -361,10 +381,12 @@ static void other_settings(void **state) {
     s[4].sprites.append = DDOF_APPEND_ARGUMENTS;
     s[5].sprites.quads = DDOF_QUADS_GEOMETRY;
     s[6].method = DDOF_METHOD_SCATTER;
-    static const char *const part[] = {"bokeh", "bokeh", "sprites.resolution", "sprites.max_sprites", "sprites.append", "sprites.quads", "bokeh"};
+    static const char *const part[] = {
+        "bokeh", "bokeh", "sprites.resolution", "sprites.max_sprites", "sprites.append", "sprites.quads", "bokeh"};
     for (int i = 0; i < COUNT(s); i++) {
         assert_int_equal(ddof_vulkan_record(frame, commands, NULL, &s[i], NULL), DDOF_ERROR_INVALID);
-        if (!strstr(ddof_vulkan_frame_error(frame), part[i])) fail_msg("\"%s\": %s", part[i], ddof_vulkan_frame_error(frame));
+        if (!strstr(ddof_vulkan_frame_error(frame), part[i]))
+            fail_msg("\"%s\": %s", part[i], ddof_vulkan_frame_error(frame));
     }
     ddof_settings other = good;
     other.method = DDOF_METHOD_HEXAGON;
@@ -408,7 +430,8 @@ static void timestamps(void **state) {
     own_finish(commands);
     CHECK(VK(vkGetQueryPoolResults)(own.device, pool, 1, 4, sizeof ticks - sizeof *ticks, ticks + 1, sizeof *ticks,
                                     VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
-    for (int i = 2; i < 5; i++) assert_true(ticks[i] >= ticks[i - 1]);
+    for (int i = 2; i < 5; i++)
+        assert_true(ticks[i] >= ticks[i - 1]);
     assert_true(ticks[4] > ticks[1]);
     ddof_vulkan_frame_destroy(&frame);
     VK(vkDestroyQueryPool)(own.device, pool, NULL);
@@ -418,9 +441,10 @@ static void timestamps(void **state) {
 
 int main(void) {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats),        cmocka_unit_test(depth),     cmocka_unit_test(views),       cmocka_unit_test(irises),
-        cmocka_unit_test(shared_scratch), cmocka_unit_test(recording), cmocka_unit_test(frames_fail), cmocka_unit_test(devices),
-        cmocka_unit_test(other_settings), cmocka_unit_test(timestamps),
+        cmocka_unit_test(formats),     cmocka_unit_test(depth),          cmocka_unit_test(views),
+        cmocka_unit_test(irises),      cmocka_unit_test(shared_scratch), cmocka_unit_test(recording),
+        cmocka_unit_test(frames_fail), cmocka_unit_test(devices),        cmocka_unit_test(other_settings),
+        cmocka_unit_test(timestamps),
     };
     return run_with_own("vulkan sprites", tests, COUNT(tests));
 }

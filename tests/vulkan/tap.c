@@ -91,17 +91,17 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipeli
         one.stage.pNext = NULL;
         one.stage.flags = 0;
     }
-    const VkResult result = fails() ? tap.fail_with
-                                    : REAL(vkCreateComputePipelines)(device, cache, count, tap.subgroup ? &one : info,
-                                                                     allocator, made);
+    const VkResult result =
+        fails() ? tap.fail_with
+                : REAL(vkCreateComputePipelines)(device, cache, count, tap.subgroup ? &one : info, allocator, made);
     for (uint32_t i = 0; i < count; i++)
         tap.live += made[i] != VK_NULL_HANDLE;
     return result;
 }
 
 static VKAPI_ATTR VkResult VKAPI_CALL create_graphics(VkDevice device, VkPipelineCache cache, uint32_t count,
-                                                       const VkGraphicsPipelineCreateInfo *info,
-                                                       const VkAllocationCallbacks *allocator, VkPipeline *made) {
+                                                      const VkGraphicsPipelineCreateInfo *info,
+                                                      const VkAllocationCallbacks *allocator, VkPipeline *made) {
     memset(made, 0, count * sizeof *made);
     const VkResult result =
         fails() ? tap.fail_with : REAL(vkCreateGraphicsPipelines)(device, cache, count, info, allocator, made);
