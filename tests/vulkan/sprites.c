@@ -65,6 +65,18 @@ static void formats(void **state) {
     destroy(&vk);
 }
 
+/* The disc kernel's components, which all begin with what the highlights leave. */
+static void disc(void **state) {
+    (void)state;
+    ddof_vulkan *vk = create();
+    frame_set set = sprite_set((frame_kind){.width = 40, .height = 30, .output = VK_FORMAT_R32G32B32A32_SFLOAT}, 611);
+    ddof_settings settings = settings_of(DDOF_BOKEH_HIGHLIGHTS);
+    settings.kernel = DDOF_KERNEL_DISC;
+    check(vk, &set, NULL, &settings, 1e-3, "disc");
+    set_free(&set);
+    destroy(&vk);
+}
+
 static void depth(void **state) {
     (void)state;
     ddof_vulkan *vk = create();
@@ -441,10 +453,10 @@ static void timestamps(void **state) {
 
 int main(void) {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats),     cmocka_unit_test(depth),          cmocka_unit_test(views),
-        cmocka_unit_test(irises),      cmocka_unit_test(shared_scratch), cmocka_unit_test(recording),
-        cmocka_unit_test(frames_fail), cmocka_unit_test(devices),        cmocka_unit_test(other_settings),
-        cmocka_unit_test(timestamps),
+        cmocka_unit_test(formats),        cmocka_unit_test(disc),        cmocka_unit_test(depth),
+        cmocka_unit_test(views),          cmocka_unit_test(irises),      cmocka_unit_test(shared_scratch),
+        cmocka_unit_test(recording),      cmocka_unit_test(frames_fail), cmocka_unit_test(devices),
+        cmocka_unit_test(other_settings), cmocka_unit_test(timestamps),
     };
     return run_with_own("vulkan sprites", tests, COUNT(tests));
 }
