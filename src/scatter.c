@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "cpu/kernels.h"
+#include "cpu/rgba.h"
 
 enum { PLACES = 4 /* behind or before the focus; from level 1 on, in the left or the right of two pixels */ };
 
@@ -146,14 +147,6 @@ void scatter_row(const scatter *s, int worker, int level, const bokeh_sprite *sp
 
 /* ---- the sums */
 
-typedef float pixel __attribute__((vector_size(16)));
-
-static inline pixel load(const float *p) {
-    pixel v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
 /* The two pixels of a level of `width` that pixel x of the picture lies between, and the share of the second. */
 static inline void between(int x, int level, int width, int *first, int *second, float *share) {
     const int at = 2 * x + 1 - (1 << level), below = at >> (level + 1);
@@ -180,7 +173,7 @@ static void sum_level(const scatter_level *l, int level, const scatter_target *t
         const pixel left = upper * load(top + 4 * (ptrdiff_t)x0) + lower * load(bottom + 4 * (ptrdiff_t)x0);
         const pixel next = upper * load(top + 4 * (ptrdiff_t)x1) + lower * load(bottom + 4 * (ptrdiff_t)x1);
         const pixel sum = load(rgba + 4 * (ptrdiff_t)x) + ((1 - right) * left + right * next);
-        memcpy(rgba + 4 * (ptrdiff_t)x, &sum, sizeof sum);
+        store(rgba + 4 * (ptrdiff_t)x, sum);
     }
     const float *above = t->weight + (ptrdiff_t)l->width * y0, *under = t->weight + (ptrdiff_t)l->width * y1;
     for (int x = begin; x < end && weight; x++) {

@@ -15,6 +15,9 @@ enum { COLOR, MAP, OUTPUT, IMAGES };
 /* Command buffers: one for uploads, one for the copy, then those of the solvers. */
 enum { UPLOAD, COPY, SOLVE, COMMANDS = SOLVE + BENCH_VULKAN_SLOTS };
 
+/* Timestamps: at both ends, and those of ddof_vulkan_frame_timestamps(). */
+enum { FROM, TO, SPRITES, QUERIES = SPRITES + 4 };
+
 enum {
     STAGING_BYTES = 32 << 20,
     COPY_BYTES = 256 << 20 /* of each of the two buffers of the copy: far beyond any cache, within any device */
@@ -26,7 +29,7 @@ struct bench_vulkan {
     ddof_vulkan_frame *frame[BENCH_VULKAN_SLOTS];
     VkCommandPool pool;
     VkCommandBuffer commands[COMMANDS];
-    VkQueryPool queries;       /* two timestamps; VK_NULL_HANDLE: the queue has none */
+    VkQueryPool queries;       /* timestamps; VK_NULL_HANDLE: the queue has none */
     uint64_t timestamp_mask;   /* the bits that count */
     bench_image image[IMAGES]; /* OUTPUT: none when the blur is in place */
     bench_buffer staging, from, to;
@@ -59,7 +62,7 @@ static const char *create_queries(bench_vulkan *vk) {
     if (bits == 0) return NULL;
     vk->timestamp_mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
     const VkQueryPoolCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO, .queryType = VK_QUERY_TYPE_TIMESTAMP, .queryCount = 2};
+        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO, .queryType = VK_QUERY_TYPE_TIMESTAMP, .queryCount = QUERIES};
     return bench_result(d, d->CreateQueryPool(d->session.device, &info, NULL, &vk->queries), "vkCreateQueryPool");
 }
 
@@ -262,31 +265,37 @@ static const char *begin_timed(bench_vulkan *vk, VkCommandBuffer commands, VkPip
     bench_device *d = &vk->device;
     const char *bad = bench_begin(d, commands);
     if (bad) return bad;
-    if (vk->queries) d->CmdResetQueryPool(commands, vk->queries, 0, 2);
+    if (vk->queries) d->CmdResetQueryPool(commands, vk->queries, 0, QUERIES);
     bench_barrier(d, commands, stage | VK_PIPELINE_STAGE_TRANSFER_BIT,
                   VK_ACCESS_TRANSFER_WRITE_BIT | (access & VK_ACCESS_SHADER_WRITE_BIT), stage, access);
-    if (vk->queries) d->CmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, vk->queries, 0);
+    if (vk->queries) d->CmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, vk->queries, FROM);
     return NULL;
 }
 
 static const char *end_timed(bench_vulkan *vk, VkCommandBuffer commands) {
     bench_device *d = &vk->device;
-    if (vk->queries) d->CmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, vk->queries, 1);
+    if (vk->queries) d->CmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, vk->queries, TO);
     return bench_result(d, d->EndCommandBuffer(commands), "vkEndCommandBuffer");
 }
 
-static const char *run_timed(bench_vulkan *vk, VkCommandBuffer commands, double *ms) {
+/* ms: between `count` timestamps, from `first` on. */
+static const char *read_times(bench_vulkan *vk, uint32_t first, uint32_t count, double *ms) {
     bench_device *d = &vk->device;
-    uint64_t ticks[2];
-    const char *bad = bench_submit(d, commands, ms);
-    if (bad || !vk->queries) return bad;
-    bad = bench_result(d,
-                       d->GetQueryPoolResults(d->session.device, vk->queries, 0, 2, sizeof ticks, ticks, sizeof *ticks,
-                                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-                       "vkGetQueryPoolResults");
-    const uint64_t taken = (ticks[1] - ticks[0]) & vk->timestamp_mask;
-    if (!bad) *ms = (double)taken * (double)d->session.properties.limits.timestampPeriod * 1e-6;
+    uint64_t ticks[QUERIES];
+    const char *bad =
+        bench_result(d,
+                     d->GetQueryPoolResults(d->session.device, vk->queries, first, count, sizeof ticks, ticks,
+                                            sizeof *ticks, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                     "vkGetQueryPoolResults");
+    for (uint32_t i = 0; !bad && i + 1 < count; i++)
+        ms[i] = (double)((ticks[i + 1] - ticks[i]) & vk->timestamp_mask) *
+                (double)d->session.properties.limits.timestampPeriod * 1e-6;
     return bad;
+}
+
+static const char *run_timed(bench_vulkan *vk, VkCommandBuffer commands, double *ms) {
+    const char *bad = bench_submit(&vk->device, commands, ms);
+    return bad || !vk->queries ? bad : read_times(vk, FROM, TO - FROM + 1, ms);
 }
 
 /* The buffers are filled once, so that their memory is there; then `bytes` of one go to the other, in several pieces
@@ -362,6 +371,8 @@ const char *bench_vulkan_prepare(bench_vulkan *vk, int slot, const ddof_settings
     ddof_vulkan_stats stats;
     ddof_vulkan_frame_destroy(&vk->frame[slot]);
     const char *bad = said_by_library(vk, ddof_vulkan_frame_create(vk->renderer, &vk->frame[slot], &images, settings));
+    if (!bad && vk->queries && (settings->bokeh || settings->method == DDOF_METHOD_SCATTER))
+        bad = said_by_library(vk, ddof_vulkan_frame_timestamps(vk->frame[slot], vk->queries, SPRITES));
     if (!bad) bad = record_solve(vk, slot, settings, &stats);
     if (bad) return bad;
     *plan = (bench_vulkan_plan){.solver = stats.solver,
@@ -376,6 +387,13 @@ const char *bench_vulkan_prepare(bench_vulkan *vk, int slot, const ddof_settings
 
 const char *bench_vulkan_solve(bench_vulkan *vk, int slot, double *ms) {
     return run_timed(vk, vk->commands[SOLVE + slot], ms);
+}
+
+const char *bench_vulkan_sprites(bench_vulkan *vk, bench_vulkan_times *times) {
+    double ms[QUERIES - SPRITES - 1];
+    const char *bad = read_times(vk, SPRITES, QUERIES - SPRITES, ms);
+    if (!bad) *times = (bench_vulkan_times){ms[0], ms[1]};
+    return bad;
 }
 
 const char *bench_vulkan_copy(bench_vulkan *vk, double *ms) {

@@ -21,6 +21,12 @@ typedef struct bench_vulkan_plan {
     int dispatches, pixels_per_thread, workgroup, strip, subgroup;
 } bench_vulkan_plan;
 
+/* Milliseconds of a solve's sprites. */
+typedef struct bench_vulkan_times {
+    double append; /* until they are listed, and their light is taken out of the picture */
+    double draw;
+} bench_vulkan_times;
+
 /* Opens a device of ddof_devices(). NULL: `why` says so; *status as of ddof_create(). */
 bench_vulkan *bench_vulkan_open(int device, ddof_status *status, char *why, size_t size);
 void bench_vulkan_close(bench_vulkan **vk);
@@ -40,6 +46,9 @@ const char *bench_vulkan_prepare(bench_vulkan *vk, int slot, const ddof_settings
 
 /* Runs it, waits and tells the milliseconds it took. */
 const char *bench_vulkan_solve(bench_vulkan *vk, int slot, double *ms);
+
+/* Of the last solve, which was of sprites, on a device with timestamps. */
+const char *bench_vulkan_sprites(bench_vulkan *vk, bench_vulkan_times *times);
 
 /* The yardstick: a copy in the device's memory of as many bytes, half of them read and half written, as no solver of
  * this method can do without: for each substep and direction, colour and CoC read and colour written. */

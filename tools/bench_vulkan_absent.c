@@ -39,6 +39,11 @@ const char *bench_vulkan_solve(bench_vulkan *vk, int slot, double *ms) {
     return absent;
 }
 
+const char *bench_vulkan_sprites(bench_vulkan *vk, bench_vulkan_times *times) {
+    (void)vk, (void)times;
+    return absent;
+}
+
 const char *bench_vulkan_copy(bench_vulkan *vk, double *ms) {
     (void)vk, (void)ms;
     return absent;

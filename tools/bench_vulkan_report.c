@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bokeh.h"
 #include "commit.h"
 #include "message.h"
 
@@ -88,6 +89,42 @@ void bench_vulkan_add_measure(const vulkan_measure *m, cJSON *object) {
     add_plan(&m->plan, object);
 }
 
+static const char *append_name(const ddof_settings *s) {
+    return s->sprites.append == DDOF_APPEND_ARGUMENTS ? "arguments" : "counter";
+}
+
+static const char *quads_name(const ddof_settings *s) {
+    return s->sprites.quads == DDOF_QUADS_GEOMETRY ? "geometry" : "instanced";
+}
+
+static void add_sprites(const scene *s, const vulkan_measure *m, cJSON *object) {
+    json_text(object, "bokeh", bokeh_name(s->settings.bokeh));
+    if (s->settings.bokeh == DDOF_BOKEH_OFF) return;
+    json_text(object, "append", append_name(&s->settings));
+    json_text(object, "quads", quads_name(&s->settings));
+    if (m->timed) {
+        json_number(object, "append_ms", m->append.median);
+        json_number(object, "draw_ms", m->draw.median);
+        json_number(object, "draw_append_ratio", m->draw_append.median);
+    }
+    if (m->compared) json_number(object, "highlights_ratio", m->highlights.median);
+}
+
+static void print_sprites(const scene *s, const vulkan_measure *m) {
+    if (s->settings.bokeh == DDOF_BOKEH_OFF) return;
+    printf("sprites %s, appended by %s, quads %s\n", bokeh_name(s->settings.bokeh), append_name(&s->settings),
+           quads_name(&s->settings));
+    if (m->timed) {
+        printf("append  %9.3f ms median (quartiles %.3f to %.3f)\n", m->append.median, m->append.quarter,
+               m->append.three_quarters);
+        printf("draw    %9.3f ms median (quartiles %.3f to %.3f), %.2f times the append\n", m->draw.median,
+               m->draw.quarter, m->draw.three_quarters, m->draw_append.median);
+    }
+    if (m->compared)
+        printf("bokeh   %9.2f times the same without sprites, median (quartiles %.2f to %.2f)\n", m->highlights.median,
+               m->highlights.quarter, m->highlights.three_quarters);
+}
+
 static int report_json(const vulkan_bench *b, const scene *s, const vulkan_measure *m) {
     cJSON *object = cJSON_CreateObject();
     bench_vulkan_add_where(b, object);
@@ -99,6 +136,7 @@ static int report_json(const vulkan_bench *b, const scene *s, const vulkan_measu
     json_text(object, "solver", solver_name(DDOF_BACKEND_VULKAN, s->settings.solver));
     json_text(object, "surface", surface_name(s->settings.surface));
     bench_vulkan_add_measure(m, object);
+    add_sprites(s, m, object);
     return json_finish(object);
 }
 
@@ -115,6 +153,7 @@ static int report_human(const vulkan_bench *b, const scene *s, const vulkan_meas
     printf("copy    %9.3f ms median (quartiles %.3f to %.3f) of as many bytes as it must move, %.0f per pixel\n",
            m->copy.median, m->copy.quarter, m->copy.three_quarters, m->moved / m->pixels);
     printf("ratio   %9.2f times the copy\n", m->solve.median / m->copy.median);
+    print_sprites(s, m);
     printf("speed   %9.1f megapixels/s, %.1f GB/s; copy %.1f GB/s\n", m->pixels * 1e-3 / m->solve.median,
            m->moved * 1e-6 / m->solve.median, m->moved * 1e-6 / m->copy.median);
     printf("scratch %9.2f bytes per pixel (%zu bytes)\n", (double)m->plan.scratch_bytes / m->pixels,
@@ -128,32 +167,56 @@ static int fail_vulkan(const char *why) {
     return fail("--backend vulkan: %s; use --backend cpu", why);
 }
 
-/* One copy and one solve in turn, so that both meet the same state of the machine. The first run of each warms up:
- * drivers compile then. */
+/* What is timed in a turn; of each as many as there are runs. */
+enum { COPIES, SOLVES, APPENDS, DRAWS, DRAW_APPENDS, RATIOS, SERIES };
+enum { WHOLE, PLAIN /* without sprites */ };
+
+static const char *take_turn(vulkan_bench *b, const vulkan_measure *m, double time[SERIES]) {
+    bench_vulkan_times sprites = {1, 1};
+    double plain = 1;
+    const char *bad = bench_vulkan_copy(b->vk, &time[COPIES]);
+    if (!bad && m->compared) bad = bench_vulkan_solve(b->vk, PLAIN, &plain);
+    if (!bad) bad = bench_vulkan_solve(b->vk, WHOLE, &time[SOLVES]);
+    if (!bad && m->timed) bad = bench_vulkan_sprites(b->vk, &sprites);
+    time[APPENDS] = sprites.append;
+    time[DRAWS] = sprites.draw;
+    time[DRAW_APPENDS] = sprites.draw / sprites.append;
+    time[RATIOS] = time[SOLVES] / plain;
+    return bad;
+}
+
+static const char *prepare(vulkan_bench *b, const scene *s, vulkan_measure *m) {
+    const bool sprites = s->settings.bokeh || s->settings.method == DDOF_METHOD_SCATTER;
+    bench_vulkan_plan ignored;
+    ddof_settings plain = s->settings;
+    plain.bokeh = DDOF_BOKEH_OFF;
+    m->timed = sprites && bench_vulkan_has_timestamps(b->vk);
+    m->compared = s->settings.bokeh == DDOF_BOKEH_HIGHLIGHTS;
+    const char *bad = bench_vulkan_picture(b->vk, s, s->settings.surface, &m->moved);
+    if (!bad && m->compared) bad = bench_vulkan_prepare(b->vk, PLAIN, &plain, &ignored);
+    return bad ? bad : bench_vulkan_prepare(b->vk, WHOLE, &s->settings, &m->plan);
+}
+
+/* One of each in turn, so that all meet the same state of the machine. The first turns warm up: drivers compile
+ * then. */
 static int measure(vulkan_bench *b, const scene *s, vulkan_measure *m) {
     enum { WARM = 2 };
-    double *times = malloc((size_t)b->runs * sizeof *times), *copies = malloc((size_t)b->runs * sizeof *copies);
-    int status = times && copies ? 0 : fail("--runs: out of memory; make it smaller");
-    const char *bad = NULL;
-    if (status == 0) bad = bench_vulkan_picture(b->vk, s, s->settings.surface, &m->moved);
-    if (status == 0 && !bad) bad = bench_vulkan_prepare(b->vk, 0, &s->settings, &m->plan);
+    double *series = malloc((size_t)b->runs * SERIES * sizeof *series), time[SERIES] = {0};
+    int status = series ? 0 : fail("--runs: out of memory; make it smaller");
+    const char *bad = status == 0 ? prepare(b, s, m) : NULL;
     for (int i = -WARM; status == 0 && !bad && i < b->runs; i++) {
-        double copy = 0, solve = 0;
-        bad = bench_vulkan_copy(b->vk, &copy);
-        if (!bad) bad = bench_vulkan_solve(b->vk, 0, &solve);
-        if (i >= 0) {
-            copies[i] = copy;
-            times[i] = solve;
-        }
+        bad = take_turn(b, m, time);
+        for (int k = 0; i >= 0 && k < SERIES; k++)
+            series[k * b->runs + i] = time[k];
     }
     if (status == 0 && bad) status = fail_vulkan(bad);
     if (status == 0) {
+        spread *of[SERIES] = {&m->copy, &m->solve, &m->append, &m->draw, &m->draw_append, &m->highlights};
         m->pixels = (double)s->width * s->height;
-        m->solve = spread_of(times, b->runs);
-        m->copy = spread_of(copies, b->runs);
+        for (int k = 0; k < SERIES; k++)
+            *of[k] = spread_of(series + k * b->runs, b->runs);
     }
-    free(times);
-    free(copies);
+    free(series);
     return status;
 }
 

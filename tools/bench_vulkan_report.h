@@ -33,6 +33,9 @@ typedef struct vulkan_measure {
     spread solve, copy;   /* milliseconds */
     double pixels, moved; /* moved: bytes */
     bench_vulkan_plan plan;
+    bool timed, compared; /* whether there are the next three, and the last */
+    spread append, draw, draw_append;
+    spread highlights; /* the whole to diffusion alone, of each pair */
 } vulkan_measure;
 void bench_vulkan_add_measure(const vulkan_measure *m, cJSON *object);
 /* "line, 8 pixels a thread, ..." */

@@ -31,13 +31,15 @@
  * Needs instance and device of Vulkan 1.1 or later with the features synchronization2 (core 1.3 or
  * VK_KHR_synchronization2) and shaderStorageImageWriteWithoutFormat enabled, and a queue family with compute. Used
  * where enabled: subgroupSizeControl with computeFullSubgroups (core 1.3 or VK_EXT_subgroup_size_control), for
- * shuffles. Nothing else, neither float16 nor 16-bit storage. The library is not linked to Vulkan: every function comes
+ * shuffles; geometryShader, for DDOF_QUADS_GEOMETRY. Nothing else, neither float16 nor 16-bit storage. Sprites
+ * (settings.bokeh, DDOF_METHOD_SCATTER) are drawn: the queue family must do graphics, too. The library is not linked to Vulkan: every function comes
  * through get_instance_proc_addr. It never submits, waits, or maps memory.
  *
  * Where to record. A primary or secondary command buffer, unprotected, in the recording state, outside render passes,
  * video coding and conditional rendering. Undefined afterwards, as after any dispatch of someone else's: pipeline,
  * descriptor sets, descriptor buffer and push descriptor bindings of the compute bind point, and push constants.
- * Graphics state stays.
+ * Graphics state stays; but with sprites that of the graphics bind point is undefined likewise, and so are viewports,
+ * scissors and all other dynamic state: a render pass is recorded, with one draw.
  *
  * Synchronisation. No layout of the caller's images is changed, no ownership transferred: images of exclusive sharing
  * mode belong to the family that executes the work.
@@ -48,14 +50,14 @@
  *           COMPUTE_SHADER, SHADER_STORAGE_WRITE; where it is also color, both.
  *   after   output: written by COMPUTE_SHADER, SHADER_STORAGE_WRITE.
  *           color, depth or coc, before they are written again or transitioned: an execution dependency from
- *           COMPUTE_SHADER.
+ *           COMPUTE_SHADER. That is so with sprites, too: their draw waits for a dispatch, and the last dispatch for it.
  *
  * Scratch memory keeps nothing between recordings: each begins with a barrier from all earlier compute work of the queue
  * and discards what is there. So a frame object may be recorded into any number of pending command buffers of one queue,
  * and frame objects may share their scratch memory there. Between queues, and with other users of that memory, order is
  * the caller's. An output is no scratch: two recordings that write the same one need her barrier between them.
  *
- * Thread-safety: ddof_vulkan_record() and ddof_vulkan_frame_error(): one call at a time per frame object, beside any
+ * Thread-safety: ddof_vulkan_record(), ddof_vulkan_frame_timestamps() and ddof_vulkan_frame_error(): one call at a time per frame object, beside any
  * other call on other objects. All others: one call at a time per ddof_vulkan, whose log callback may then be called
  * from the threads that record, too. Several ddof_vulkan may live on one device. */
 #ifndef DDOF_VULKAN_H
@@ -101,7 +103,7 @@ typedef struct ddof_vulkan_image {
     VkFormat format;         /* of the view to be made: the image's, or one it was made compatible with. 0: no image */
     uint32_t width, height;  /* of the mip level, texels */
     VkImageUsageFlags usage; /* as it was created; 0: not checked. Inputs: SAMPLED. Output: STORAGE, and SAMPLED, unless
-                                the intermediate lies in scratch memory */
+                                the intermediate lies in scratch memory; with DDOF_BOKEH_HIGHLIGHTS always */
     VkImageLayout layout;    /* while the recorded work runs: GENERAL, SHADER_READ_ONLY_OPTIMAL (meant by 0), or
                                 READ_ONLY_OPTIMAL; for depth formats also DEPTH_READ_ONLY_OPTIMAL,
                                 DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL and, meant by 0,
@@ -180,13 +182,16 @@ DDOF_API ddof_status ddof_vulkan_scratch(ddof_vulkan *vk, const ddof_vulkan_imag
 
 /* Makes what recording needs: image views, descriptor sets, scratch, and pipelines, compiled here the first time they
  * are needed, which is slow. It stays valid while the images live, and serves every view, lens, number of substeps and
- * conductance. Of the settings kernel, quality, solver, surface and depth.kind are fixed here; the lens is not looked
- * at yet.
+ * conductance. Of the settings kernel, quality, solver, surface, depth.kind, bokeh and, with sprites, sprites.resolution,
+ * max_sprites, append and quads are fixed here; the lens is not looked at yet.
  *
  *   kernel   HEAT, or DISC, which LINE solves and no other solver (UNSUPPORTED); it wants more scratch (docs/vulkan.md)
  *   solver   DEFAULT or LINE, PCR, PCR3_SWEEP, CR4_PACK
  *   surface  RGBA16F: the intermediate lies in the output where that is floating-point, else in scratch as half floats;
  *            RGBA32F: in scratch as floats, unless the output is R32G32B32A32_SFLOAT
+ *   bokeh    HIGHLIGHTS, FULL (the same as method SCATTER; the other methods are UNSUPPORTED): docs/vulkan.md says how much
+ *            scratch they want. FULL needs a device that blends R32G32B32A32_SFLOAT; and fills holes by what is known in
+ *            eight directions, 64 pixels around
  *
  * On failure *frame is NULL. Errors: INVALID, MEMORY, DEVICE, UNSUPPORTED. */
 DDOF_API ddof_status ddof_vulkan_frame_create(ddof_vulkan *vk, ddof_vulkan_frame **frame,
@@ -199,11 +204,17 @@ DDOF_API void ddof_vulkan_frame_destroy(ddof_vulkan_frame **frame);
 /* Records the blur into `commands`. Allocates nothing. All is checked before the first command is recorded: after an
  * error the command buffer is as it was. What changes lies in push constants: pending work is not touched. view may be
  * NULL; stats may be NULL and is zeroed when the call fails. lens.focus must be DDOF_FOCUS_DISTANCE. Holes are filled
- * as by ddof_render() but not counted. May be recorded any number of times, also into several command buffers. Errors:
- * INVALID (an argument; kernel, quality, solver, surface or depth.kind differ from those at creation), UNSUPPORTED. */
+ * as by ddof_render() but not counted. The iris is made anew when it has changed, which takes some milliseconds, and its
+ * image is read in each call. May be recorded any number of times, also into several command buffers. Errors:
+ * INVALID (an argument; what was fixed differs from that at creation), UNSUPPORTED. */
 DDOF_API ddof_status ddof_vulkan_record(ddof_vulkan_frame *frame, VkCommandBuffer commands,
                                         const ddof_vulkan_view *view, const ddof_settings *settings,
                                         ddof_vulkan_stats *stats);
+
+/* Later recordings of a frame object with sprites write four timestamps into `pool`, from query `first` on: before the
+ * sprites are listed, when they are, when they are drawn, and at the end. The caller has reset them; her queue has
+ * timestamps. VK_NULL_HANDLE: no more. Errors: INVALID (a frame object without sprites). */
+DDOF_API ddof_status ddof_vulkan_frame_timestamps(ddof_vulkan_frame *frame, VkQueryPool pool, uint32_t first);
 
 /* The compiled pipelines, for the next run: with data NULL *size becomes their size; else *size is the room on entry
  * and what was written on return. Errors: INVALID (too little room), MEMORY, DEVICE. */

@@ -37,9 +37,11 @@ float iris_mask(vec2 offset, float diameter, float side, vec2 cat, int level) {
     } else {
         if (iris_kind == 1) { // the normal of the nearest side is at (k + 1/2) sector
             float sector = 6.28318530717958648 / iris_blades;
-            float angle = p == vec2(0.0) ? 0.0 : atan(p.y, p.x);
-            float normal = (floor(angle / sector) + 0.5) * sector;
-            float beyond = p.x * cos(normal) + p.y * sin(normal);
+            float axis = p.x < 0.0 ? 3.14159265358979324 : 0.0; // atan() of -0 may be half a turn off, and elsewhere 1e-3:
+            float normal = (floor((p.y == 0.0 ? axis : atan(p.y, p.x)) / sector) + 0.5) * sector;
+            vec2 n = vec2(cos(normal), sin(normal)), turn = vec2(cos(sector), sin(sector)); // the sides beside it are asked, too
+            float beyond = max(dot(p, n), max(dot(p, vec2(n.x * turn.x - n.y * turn.y, n.y * turn.x + n.x * turn.y)),
+                                              dot(p, vec2(n.x * turn.x + n.y * turn.y, n.y * turn.x - n.x * turn.y))));
             inside = mix(radius * cos(0.5 * sector) - beyond, inside, iris_curvature);
         }
         cover = iris_cover(min(inside, cut));

@@ -3,6 +3,7 @@
 
 /* Stage fill, a row at a time. Exact IEEE operations, each pixel by itself: all instruction sets agree. */
 #include "isa.h"
+#include "rgba.h"
 #include "vec.h"
 
 /* Full trust in interpolated means whose weights sum to 1/TRUST or more. */
@@ -13,14 +14,6 @@ enum { CHUNK = 16 /* pixels that are passed over when none lacks anything; a mul
 #define INLINE static inline __attribute__((always_inline))
 
 /* ---- push: sums over 2 x 2 pixels, divided where the weights sum to more than 1 */
-
-typedef float pixel __attribute__((vector_size(16)));
-
-INLINE pixel load(const float *p) {
-    pixel v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
 
 INLINE void push_rows(int channels, int width, bool picture, int rows, const float *const value[2],
                       const float *const weight[2], float *value_above, float *weight_above) {

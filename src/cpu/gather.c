@@ -7,20 +7,8 @@
 
 #include "../methods.h"
 #include "isa.h"
+#include "rgba.h"
 #include "vec.h"
-
-/* RGBA. */
-typedef float pixel __attribute__((vector_size(16)));
-
-static inline pixel load(const float *p) {
-    pixel v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-static inline void store(float *p, pixel v) {
-    memcpy(p, &v, sizeof v);
-}
 
 /* The pixels under work; rows of values have room for a vector more. */
 typedef struct chunk {

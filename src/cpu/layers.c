@@ -5,23 +5,12 @@
 #include <math.h>
 
 #include "isa.h"
+#include "rgba.h"
 #include "vec.h"
 
 enum { CHUNK = 64 /* pixels between the steps of a loop in two */, AHEAD = 2 * CHUNK /* pixels fetched early */ };
 
-/* RGBA. */
-typedef float pixel __attribute__((vector_size(16)));
 typedef int32_t pixel_mask __attribute__((vector_size(16)));
-
-static inline pixel load(const float *p) {
-    pixel v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-static inline void store(float *p, pixel v) {
-    memcpy(p, &v, sizeof v);
-}
 
 static inline int32_t bits_of(float v) {
     int32_t bits;

@@ -7,22 +7,10 @@
 
 #include "../iris.h"
 #include "isa.h"
+#include "rgba.h"
 #include "vec.h"
 
 enum { CHUNK = 64 /* pixels between the steps of a loop in two */ };
-
-/* RGBA. */
-typedef float pixel __attribute__((vector_size(16)));
-
-static inline pixel load(const float *p) {
-    pixel v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-static inline void store(float *p, pixel v) {
-    memcpy(p, &v, sizeof v);
-}
 
 static inline float least(float a, float b) {
     return a < b ? a : b;

@@ -119,8 +119,8 @@ static void gl_trim(ddof_context *ctx) {
     if (!b->gl || b->gl->lost || !enter(ctx, b)) return;
     delete_images(b);
     gl_surfaces_delete(b->gl);
-    gl_sprites_delete(b->gl);
     gl_methods_delete(b->gl);
+    gl_sprites_delete(b->gl);
     leave(b);
 }
 
@@ -259,15 +259,6 @@ static ddof_status gl_diffuse(ddof_context *ctx, frame_job *job, void *scratch) 
     return run(ctx, job, scratch, gl_solve);
 }
 
-static ddof_status draw_and_count(ddof_gl *gl, const gl_frame *frame) {
-    const ddof_status status = gl_sprites_render(gl, frame);
-    return status == DDOF_OK ? gl_sprites_count(gl, frame) : status;
-}
-
-static ddof_status gl_scatter(ddof_context *ctx, frame_job *job, void *scratch) {
-    return run(ctx, job, scratch, draw_and_count);
-}
-
 /* ---- gaussian and hexagon: the picture goes up as floats without holes, comes back into the same memory, and is stored */
 
 static filled_picture picture_of(const frame_job *job, arena *a) {
@@ -332,6 +323,17 @@ static ddof_status gl_hexagon(ddof_context *ctx, frame_job *job, void *scratch) 
     return gather(ctx, job, scratch, gl_hexagon_render);
 }
 
+/* ---- sprites */
+
+static ddof_status draw_and_count(ddof_gl *gl, const gl_frame *frame) {
+    const ddof_status status = gl_sprites_render(gl, frame);
+    return status == DDOF_OK ? gl_sprites_count(gl, frame) : status;
+}
+
+static ddof_status gl_scatter(ddof_context *ctx, frame_job *job, void *scratch) {
+    return run(ctx, job, scratch, draw_and_count);
+}
+
 /* ---- the CoC alone */
 
 static ddof_status coc_now(ddof_context *ctx, gl_backend *b, frame_job *job, const staging *s) {
@@ -377,7 +379,7 @@ static ddof_status gl_coc_stage(ddof_context *ctx, frame_job *job, void *scratch
 
 static size_t gl_device_bytes(const ddof_context *ctx) {
     const gl_backend *b = ctx->device;
-    return b->gl ? b->gl->surfaces.bytes + b->gl->sprites.bytes + b->gl->methods.bytes : 0;
+    return b->gl ? b->gl->surfaces.bytes + b->gl->methods.bytes + b->gl->sprites.bytes : 0;
 }
 
 static const char *gl_device(const ddof_context *ctx) {
@@ -426,9 +428,9 @@ const backend backend_gl = {
     .scratch_bytes = gl_scratch_bytes,
     .coc = gl_coc_stage,
     .diffuse = gl_diffuse,
-    .sprites = gl_scatter,
     .gaussian = gl_gaussian,
     .hexagon = gl_hexagon,
+    .sprites = gl_scatter,
     .device = gl_device,
     .open = gl_open,
     .close = gl_close,

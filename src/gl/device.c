@@ -142,11 +142,11 @@ void gl_device_destroy(ddof_gl **out) {
     *out = NULL;
     if (gl->vertex_array) {
         gl_programs_delete(gl, &gl->programs);
-        gl_programs_delete(gl, &gl->sprites.programs);
         gl_programs_delete(gl, &gl->methods.programs);
+        gl_programs_delete(gl, &gl->sprites.programs);
         gl_surfaces_delete(gl);
-        gl_sprites_delete(gl);
         gl_methods_delete(gl);
+        gl_sprites_delete(gl);
         gl->f.DeleteFramebuffers(1, &gl->output);
         gl->f.DeleteFramebuffers(1, &gl->probe);
         gl->f.DeleteSamplers(1, &gl->sampler);

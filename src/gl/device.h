@@ -1,7 +1,7 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* What a ddof_gl holds. The parts: functions (of GL), programs (the shaders), surfaces (textures of the solver), sprites, methods (the classical ones), state
+/* What a ddof_gl holds. The parts: functions (of GL), programs (the shaders), surfaces (textures of the solver), methods (the classical ones), state
  * (of the caller's context), solver (the method), interop (ddof/gl.h), and for the backend of ddof_render() egl and
  * backend. */
 #ifndef DDOF_GL_DEVICE_H
@@ -28,9 +28,9 @@ struct ddof_gl {
     GLuint probe;  /* framebuffer to look at the caller's inputs with */
     gl_programs programs;
     gl_surfaces surfaces;
+    gl_methods methods;
     gl_sprites sprites;
     bool blends; /* floats of 32 bits, too */
-    gl_methods methods;
     int64_t objects, draws;
     bool lost;
 };

@@ -6,7 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "device.h"
+#include "../bokeh.h"
+#include "sprites.h"
 
 enum {
     PATIENCE_MS = 100, /* of one wait, after which the caller is asked whether to go on */
@@ -104,6 +105,12 @@ static ddof_settings settings_of(const frame_job *job) {
     return s;
 }
 
+/* Channels that shine: an alpha does not. */
+static int colors_of(const ddof_image *color) {
+    if (color->channels == 2 && color->alpha == DDOF_ALPHA_STRAIGHT) return 1;
+    return color->channels < 3 ? color->channels : 3;
+}
+
 /* The frame object; kept like the pictures. */
 static ddof_status make_frame(vulkan_backend *b, const frame_job *job) {
     const vulkan_pictures *p = &b->pictures;
@@ -113,10 +120,13 @@ static ddof_status make_frame(vulkan_backend *b, const frame_job *job) {
                              .depth = s.depth.kind,
                              .solver = s.solver,
                              .surface = s.surface,
-                             .disc = job->disc};
+                             .disc = job->disc,
+                             .sprites = vulkan_sprite_kind_of(&s),
+                             .colors = colors_of(&job->frame->color)};
     const frame_kind *k = &b->kind;
     if (b->frame && k->is_depth == kind.is_depth && k->alpha == kind.alpha && k->depth == kind.depth &&
-        k->solver == kind.solver && k->surface == kind.surface && k->disc == kind.disc)
+        k->solver == kind.solver && k->surface == kind.surface && k->disc == kind.disc && k->colors == kind.colors &&
+        !vulkan_sprite_kind_differs(&k->sprites, &kind.sprites))
         return DDOF_OK;
     ddof_vulkan_frame_destroy(&b->frame);
     const uint32_t width = (uint32_t)p->width, height = (uint32_t)p->height;
@@ -137,11 +147,37 @@ static ddof_status make_frame(vulkan_backend *b, const frame_job *job) {
     *(job->is_depth ? &images.depth : &images.coc) = map;
     ddof_status status = ddof_vulkan_frame_create(b->vk, &b->frame, &images, &s);
     if (status != DDOF_OK) return context_fail(b->owner, status, "%s", ddof_vulkan_error(b->vk));
+    b->frame->colors = kind.colors;
     b->kind = kind;
     return DDOF_OK;
 }
 
-static ddof_status blur(vulkan_backend *b, const frame_job *job) {
+/* The counters of the sprites, to the beginning of the slot's part of the staging buffer. */
+static void copy_counters(const vulkan_backend *b, const slot *s) {
+    static const VkMemoryBarrier to_copy = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                            .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT,
+                                            .dstAccessMask =
+                                                VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT},
+                                 to_host = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                            .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                            .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
+    const VkBufferCopy region = {.dstOffset = s->offset, .size = sizeof(sprite_state)};
+    b->f.CmdPipelineBarrier(s->commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                            VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &to_copy, 0, NULL, 0, NULL);
+    b->f.CmdCopyBuffer(s->commands, b->frame->scratch.buffer[BUFFER_SPRITE_STATE], b->pictures.buffer, 1, &region);
+    b->f.CmdPipelineBarrier(s->commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0,
+                            NULL, 0, NULL);
+}
+
+static void read_counters(const vulkan_backend *b, frame_job *job, const slot *s) {
+    sprite_state state;
+    memcpy(&state, s->memory, sizeof state);
+    job->sprites = b->kind.sprites.quads == DDOF_QUADS_GEOMETRY ? state.draw.vertexCount : state.draw.instanceCount;
+    job->sprites_dropped = state.dropped;
+    job->sprites_large = state.large;
+}
+
+static ddof_status blur(vulkan_backend *b, frame_job *job, float gain) {
     static const VkPipelineStageFlags copy = VK_PIPELINE_STAGE_TRANSFER_BIT,
                                       compute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
     static const transition in = {copy,
@@ -168,7 +204,8 @@ static ddof_status blur(vulkan_backend *b, const frame_job *job) {
                                    .offset_x = f->offset_x,
                                    .offset_y = f->offset_y,
                                    .pixel_aspect = f->pixel_aspect};
-    const ddof_settings settings = settings_of(job);
+    ddof_settings settings = settings_of(job);
+    if (job->highlights) settings.sprites.threshold = (double)bokeh_limits_of(job).threshold * (double)gain;
     ddof_vulkan_stats stats;
     slot *s;
     ddof_status status = vulkan_begin(b, &s);
@@ -182,8 +219,11 @@ static ddof_status blur(vulkan_backend *b, const frame_job *job) {
     }
     b->surface_bytes = stats.scratch_bytes;
     vulkan_barrier(b, s, b->pictures.color, &out);
+    if (b->frame->sprites) copy_counters(b, s);
     status = vulkan_submit(b, s);
-    return status == DDOF_OK ? vulkan_wait(b, s) : status;
+    if (status == DDOF_OK) status = vulkan_wait(b, s);
+    if (status == DDOF_OK && b->frame->sprites) read_counters(b, job, s);
+    return status;
 }
 
 static ddof_status diffuse_now(vulkan_backend *b, frame_job *job, staging *st) {
@@ -195,7 +235,7 @@ static ddof_status diffuse_now(vulkan_backend *b, frame_job *job, staging *st) {
     /* the disc kernel's sources: a hole between sharp pixels is one of 1e-14 of its neighbours' colours */
     if (half || job->disc || job->settings->solver == DDOF_SOLVER_CR4_PACK) staging_find_gain(b->owner, job, st);
     status = vulkan_pictures_upload(b, job, st);
-    if (status == DDOF_OK) status = blur(b, job);
+    if (status == DDOF_OK) status = blur(b, job, st->gain);
     if (status == DDOF_OK && b->owner->cancelled) status = DDOF_ERROR_CANCELLED;
     return status == DDOF_OK ? vulkan_pictures_download(b, job, st) : status;
 }
@@ -340,6 +380,7 @@ const backend backend_vulkan = {
     .scratch_bytes = staging_bytes,
     .coc = staging_coc,
     .diffuse = vulkan_diffuse,
+    .sprites = vulkan_diffuse,
     .device = vulkan_device,
     .open = vulkan_backend_open,
     .close = vulkan_backend_close,

@@ -8,6 +8,7 @@
 
 #include "../context.h"
 #include "../staging.h"
+#include "frame.h"
 #include "loader.h"
 
 enum { SLOTS = 2 };
@@ -18,6 +19,7 @@ enum { SLOTS = 2 };
     X(BeginCommandBuffer)                                                                                              \
     X(BindBufferMemory)                                                                                                \
     X(BindImageMemory)                                                                                                 \
+    X(CmdCopyBuffer)                                                                                                   \
     X(CmdCopyBufferToImage)                                                                                            \
     X(CmdCopyImageToBuffer)                                                                                            \
     X(CmdPipelineBarrier)                                                                                              \
@@ -73,6 +75,8 @@ typedef struct frame_kind {
     ddof_solver solver;
     ddof_surface surface;
     const disc_kernel *disc;
+    vulkan_sprite_kind sprites;
+    int colors; /* channels that shine */
 } frame_kind;
 
 typedef struct vulkan_backend {

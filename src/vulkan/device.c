@@ -42,7 +42,7 @@ uint32_t vulkan_device_memory(const ddof_vulkan *vk, uint32_t bits) {
 /* ---- what is enabled */
 
 typedef struct enabled {
-    bool synchronization2, write_without_format, subgroup_size;
+    bool synchronization2, write_without_format, subgroup_size, geometry;
 } enabled;
 
 static void read_feature(const VkBaseInStructure *s, enabled *e) {
@@ -68,9 +68,10 @@ static void read_feature(const VkBaseInStructure *s, enabled *e) {
 }
 
 static enabled read_features(const VkPhysicalDeviceFeatures2 *features) {
-    enabled e = {features == NULL, features == NULL, false};
+    enabled e = {features == NULL, features == NULL, false, false};
     if (!features) return e;
     e.write_without_format = features->features.shaderStorageImageWriteWithoutFormat;
+    e.geometry = features->features.geometryShader;
     for (const VkBaseInStructure *s = features->pNext; s; s = s->pNext)
         read_feature(s, &e);
     return e;
@@ -115,6 +116,7 @@ static void look_at_device(ddof_vulkan *vk, const enabled *e) {
         (line_limits){.workgroup = least(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]),
                       .shared_bytes = least(p.limits.maxComputeSharedMemorySize, 1 << 20),
                       .subgroup = 1};
+    vk->geometry = e->geometry;
     if (vk->line.workgroup > 1024) vk->line.workgroup = 1024; /* more would leave too few registers to a thread */
     if (e->subgroup_size) look_at_subgroups(vk);
 }
@@ -123,7 +125,9 @@ static bool family_computes(ddof_vulkan *vk) {
     VkQueueFamilyProperties family[32];
     uint32_t count = 32;
     vk->f.GetPhysicalDeviceQueueFamilyProperties(vk->config.physical_device, &count, family);
-    return vk->config.queue_family < count && family[vk->config.queue_family].queueFlags & VK_QUEUE_COMPUTE_BIT;
+    if (vk->config.queue_family >= count) return false;
+    vk->graphics = family[vk->config.queue_family].queueFlags & VK_QUEUE_GRAPHICS_BIT;
+    return family[vk->config.queue_family].queueFlags & VK_QUEUE_COMPUTE_BIT;
 }
 
 /* What must be there: NULL, or what is not. */

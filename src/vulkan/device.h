@@ -3,7 +3,7 @@
 
 /* What a ddof_vulkan and a ddof_vulkan_frame hold. The parts: functions (of Vulkan), modules and pipelines (the
  * shaders), device (what all frames share), line (how LINE cuts lines), frame (images, scratch, descriptor sets),
- * passes (the method), interop (ddof/vulkan.h), and for the backend of ddof_render() loader and backend. */
+ * passes (the method), sprites and sprite_target (what is drawn before or instead), interop (ddof/vulkan.h), and for the backend of ddof_render() loader and backend. */
 #ifndef DDOF_VULKAN_DEVICE_H
 #define DDOF_VULKAN_DEVICE_H
 
@@ -23,6 +23,7 @@ struct ddof_vulkan {
     VkPhysicalDeviceMemoryProperties memory;
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
     line_limits line;
+    bool graphics, geometry; /* the queue family draws; geometry shaders are enabled */
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout pipeline_layout;
     VkPipelineCache pipeline_cache;

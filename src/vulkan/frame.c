@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "passes.h"
+#include "sprites.h"
 
 bool vulkan_format_is_depth(VkFormat format) {
     return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
@@ -13,6 +14,10 @@ bool vulkan_format_is_depth(VkFormat format) {
 
 vulkan_picture vulkan_place(const ddof_vulkan_frame *f, vulkan_picture picture) {
     return picture == f->output_also ? PICTURE_OUTPUT : picture;
+}
+
+bool vulkan_output_is_read(const ddof_vulkan_frame *f) {
+    return f->output_also != PICTURE_OUTPUT || f->sprite_kind.bokeh == DDOF_BOKEH_HIGHLIGHTS;
 }
 
 /* ---- views */
@@ -27,8 +32,8 @@ static ddof_status view(ddof_vulkan *vk, VkImage image, VkFormat format, uint32_
         .image = image,
         .viewType = VK_IMAGE_VIEW_TYPE_2D,
         .format = format,
-        .subresourceRange = {vulkan_format_is_depth(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, level, 1,
-                             layer, 1}};
+        .subresourceRange = {vulkan_format_is_depth(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
+                             level, 1, layer, 1}};
     return vulkan_device_check(vk, vk->f.CreateImageView(vk->config.device, &info, vk->allocator, made), what);
 }
 
@@ -38,12 +43,15 @@ static ddof_status view_of_caller(ddof_vulkan *vk, const ddof_vulkan_image *i, V
 }
 
 static ddof_status view_scratch(ddof_vulkan_frame *f, vulkan_picture picture) {
+    static const char doing[] = "viewing a scratch image";
     ddof_vulkan *vk = f->vk;
-    ddof_status status = view(vk, f->scratch.image[picture], f->work_format, 0, 0, VK_IMAGE_USAGE_SAMPLED_BIT,
-                              &f->sampled[picture], "viewing a scratch image");
+    const VkFormat format = vulkan_scratch_format(f, picture);
+    const bool drawn = picture == PICTURE_LIGHT || picture == PICTURE_WEIGHT;
+    ddof_status status =
+        view(vk, f->scratch.image[picture], format, 0, 0, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[picture], doing);
     if (status != DDOF_OK) return status;
-    return view(vk, f->scratch.image[picture], f->work_format, 0, 0, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[picture],
-                "viewing a scratch image");
+    return view(vk, f->scratch.image[picture], format, 0, 0,
+                drawn ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT : VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[picture], doing);
 }
 
 static ddof_status make_views(ddof_vulkan_frame *f) {
@@ -57,7 +65,7 @@ static ddof_status make_views(ddof_vulkan_frame *f) {
     if (status == DDOF_OK)
         status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_STORAGE_BIT, &f->stored[PICTURE_OUTPUT],
                                 "viewing images.output");
-    if (status == DDOF_OK && f->output_also != PICTURE_OUTPUT)
+    if (status == DDOF_OK && vulkan_output_is_read(f))
         status = view_of_caller(vk, &i->output, VK_IMAGE_USAGE_SAMPLED_BIT, &f->sampled[PICTURE_OUTPUT],
                                 "viewing images.output");
     for (int p = 0; p < VULKAN_PICTURES && status == DDOF_OK; p++)
@@ -79,6 +87,8 @@ static void list_sets(ddof_vulkan_frame *f) {
     const bool by_rows = f->scratch.image[PICTURE_ROWS];
     f->sets = by_rows ? 4 : 3;
     memcpy(f->set, by_rows ? heat_by_rows : heat, sizeof *f->set * (size_t)f->sets);
+    for (int i = 0; i < f->sets; i++)
+        if (f->set[i].from == PICTURE_COLOR && f->first == PICTURE_REMAINDER) f->set[i].from = f->first;
     if (f->disc && f->disc->components > 1) f->set[f->sets++] = sum;
 }
 
@@ -105,13 +115,13 @@ static bool binding_of(const ddof_vulkan_frame *f, const vulkan_set *set, uint32
 }
 
 static void write_set(ddof_vulkan_frame *f, const vulkan_set *set) {
-    const VkDescriptorBufferInfo levels = {f->scratch.levels, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo levels = {f->scratch.buffer[BUFFER_LEVELS], 0, VK_WHOLE_SIZE};
     VkDescriptorImageInfo image[VULKAN_BINDINGS];
     VkWriteDescriptorSet write[VULKAN_BINDINGS];
     uint32_t count = 0;
     for (uint32_t i = 0; i < VULKAN_BINDINGS; i++) {
         const bool is_buffer = vulkan_binding_types[i] == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        if (is_buffer ? !f->scratch.levels : !binding_of(f, set, i, &image[i])) continue;
+        if (is_buffer ? !levels.buffer : !binding_of(f, set, i, &image[i])) continue;
         write[count++] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                                 .dstSet = set->handle,
                                                 .dstBinding = i,
@@ -152,8 +162,9 @@ ddof_status vulkan_frame_make(ddof_vulkan_frame *f) {
     ddof_status status = vulkan_scratch_make(f->vk, f);
     if (status == DDOF_OK) status = vulkan_scratch_bind(f->vk, f);
     if (status == DDOF_OK) status = make_views(f);
-    if (status == DDOF_OK) status = make_sets(f);
-    if (status == DDOF_OK) status = vulkan_passes_prepare(f);
+    if (status == DDOF_OK && f->sprite_kind.bokeh) status = vulkan_sprites_make(f);
+    if (status == DDOF_OK && f->sprite_kind.bokeh != DDOF_BOKEH_FULL) status = make_sets(f);
+    if (status == DDOF_OK && f->sprite_kind.bokeh != DDOF_BOKEH_FULL) status = vulkan_passes_prepare(f);
     if (status != DDOF_OK) vulkan_frame_delete(f);
     return status;
 }
@@ -161,6 +172,7 @@ ddof_status vulkan_frame_make(ddof_vulkan_frame *f) {
 void vulkan_frame_delete(ddof_vulkan_frame *f) {
     ddof_vulkan *vk = f->vk;
     const VkDevice device = vk->config.device;
+    vulkan_sprites_delete(f);
     if (f->pool) vk->f.DestroyDescriptorPool(device, f->pool, vk->allocator);
     for (int i = 0; i < VULKAN_PICTURES; i++) {
         if (f->sampled[i]) vk->f.DestroyImageView(device, f->sampled[i], vk->allocator);

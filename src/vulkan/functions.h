@@ -12,7 +12,7 @@
 #define VULKAN_INSTANCE_FUNCTIONS(X)                                                                                   \
     X(GetDeviceProcAddr)                                                                                               \
     X(GetPhysicalDeviceFeatures2)                                                                                      \
-    X(GetPhysicalDeviceFormatProperties2)                                                                               \
+    X(GetPhysicalDeviceFormatProperties2)                                                                              \
     X(GetPhysicalDeviceMemoryProperties)                                                                               \
     X(GetPhysicalDeviceProperties)                                                                                     \
     X(GetPhysicalDeviceProperties2)                                                                                    \
@@ -23,28 +23,42 @@
     X(AllocateMemory)                                                                                                  \
     X(BindBufferMemory)                                                                                                \
     X(BindImageMemory)                                                                                                 \
+    X(CmdBeginRenderPass)                                                                                              \
     X(CmdBindDescriptorSets)                                                                                           \
     X(CmdBindPipeline)                                                                                                 \
+    X(CmdCopyBuffer)                                                                                                   \
     X(CmdDispatch)                                                                                                     \
+    X(CmdDrawIndirect)                                                                                                 \
+    X(CmdEndRenderPass)                                                                                                \
+    X(CmdFillBuffer)                                                                                                   \
     X(CmdPipelineBarrier2)                                                                                             \
     X(CmdPushConstants)                                                                                                \
+    X(CmdSetScissor)                                                                                                   \
+    X(CmdSetViewport)                                                                                                  \
+    X(CmdUpdateBuffer)                                                                                                 \
+    X(CmdWriteTimestamp)                                                                                               \
     X(CreateBuffer)                                                                                                    \
     X(CreateComputePipelines)                                                                                          \
     X(CreateDescriptorPool)                                                                                            \
     X(CreateDescriptorSetLayout)                                                                                       \
+    X(CreateFramebuffer)                                                                                               \
+    X(CreateGraphicsPipelines)                                                                                         \
     X(CreateImage)                                                                                                     \
     X(CreateImageView)                                                                                                 \
     X(CreatePipelineCache)                                                                                             \
     X(CreatePipelineLayout)                                                                                            \
+    X(CreateRenderPass)                                                                                                \
     X(CreateShaderModule)                                                                                              \
     X(DestroyBuffer)                                                                                                   \
     X(DestroyDescriptorPool)                                                                                           \
     X(DestroyDescriptorSetLayout)                                                                                      \
+    X(DestroyFramebuffer)                                                                                              \
     X(DestroyImage)                                                                                                    \
     X(DestroyImageView)                                                                                                \
     X(DestroyPipeline)                                                                                                 \
     X(DestroyPipelineCache)                                                                                            \
     X(DestroyPipelineLayout)                                                                                           \
+    X(DestroyRenderPass)                                                                                               \
     X(DestroyShaderModule)                                                                                             \
     X(FreeMemory)                                                                                                      \
     X(GetBufferMemoryRequirements)                                                                                     \

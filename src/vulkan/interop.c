@@ -6,6 +6,7 @@
 
 #include "frame.h"
 #include "passes.h"
+#include "sprites.h"
 
 /* ---- what all frames share */
 
@@ -188,8 +189,7 @@ static ddof_status check_output(ddof_vulkan *vk, ddof_vulkan_frame *f, bool made
     ddof_vulkan_images *i = &f->images;
     ddof_vulkan_image *out = &i->output;
     const VkImageUsageFlags usage =
-        VK_IMAGE_USAGE_STORAGE_BIT |
-        (f->output_also != PICTURE_OUTPUT ? (VkImageUsageFlags)VK_IMAGE_USAGE_SAMPLED_BIT : 0);
+        VK_IMAGE_USAGE_STORAGE_BIT | (vulkan_output_is_read(f) ? (VkImageUsageFlags)VK_IMAGE_USAGE_SAMPLED_BIT : 0);
     ddof_status status =
         check_image(vk, out, "output", output_formats, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, usage, made);
     if (status != DDOF_OK) return status;
@@ -220,6 +220,7 @@ static ddof_status choose_solver(ddof_vulkan *vk, ddof_vulkan_frame *f, const dd
     if (f->disc && f->solver != DDOF_SOLVER_LINE)
         return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
                             "settings.solver: only LINE solves with DDOF_KERNEL_DISC; leave it DEFAULT");
+    if (f->sprite_kind.bokeh == DDOF_BOKEH_FULL) return DDOF_OK; /* nothing is solved */
     const int length[2] = {(int)f->images.color.width, (int)f->images.color.height};
     for (int i = 0; i < 2; i++) {
         const bool whole = f->solver == DDOF_SOLVER_LINE;
@@ -258,9 +259,13 @@ static void choose_work(ddof_vulkan_frame *f) {
     } else if (holds && f->disc->components > 1 && !f->in_place) {
         f->output_also = PICTURE_SUM;
     }
+    f->first = PICTURE_COLOR; /* in place, light is taken out of it */
+    if (f->sprite_kind.bokeh == DDOF_BOKEH_HIGHLIGHTS && !f->in_place)
+        f->first = f->disc ? PICTURE_REMAINDER : PICTURE_WORK; /* the disc's components all begin with it */
 }
 
 static const disc_kernel *disc_of(const ddof_settings *s) {
+    if (vulkan_sprite_kind_of(s).bokeh == DDOF_BOKEH_FULL) return NULL;
     return s->kernel == DDOF_KERNEL_DISC ? disc_kernel_pick(s->quality) : NULL;
 }
 
@@ -292,7 +297,8 @@ static ddof_status check_kinds(ddof_vulkan *vk, const ddof_vulkan_frame *f, cons
         return context_fail(&vk->shell, DDOF_ERROR_INVALID, "settings: depth.kind is none of ddof_depth_kind");
     const ddof_status status = check_settings(&vk->shell, &same, s);
     if (status != DDOF_OK || !s->layers) return status;
-    return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
+    return context_fail(&vk->shell, DDOF_ERROR_UNSUPPORTED,
+                        "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
 }
 
 static ddof_status describe(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_vulkan_images *images,
@@ -312,9 +318,10 @@ static ddof_status describe(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_vu
     f->is_depth = images->depth.format != 0;
     f->depth_kind = settings->depth.kind;
     f->surface = settings->surface == DDOF_SURFACE_DEFAULT ? DDOF_SURFACE_RGBA16F : settings->surface;
-    f->disc = disc_of(settings);
+    f->colors = 3;
     const VkFormatFeatureFlags sampled = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
     ddof_status status = check_kinds(vk, f, settings);
+    f->disc = status == DDOF_OK ? disc_of(settings) : NULL;
     if (status == DDOF_OK)
         status = check_image(vk, &f->images.color, "color", color_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made);
     if (status == DDOF_OK)
@@ -323,6 +330,7 @@ static ddof_status describe(ddof_vulkan *vk, ddof_vulkan_frame *f, const ddof_vu
                 ? check_image(vk, &f->images.depth, "depth", depth_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made)
                 : check_image(vk, &f->images.coc, "coc", coc_formats, sampled, VK_IMAGE_USAGE_SAMPLED_BIT, made);
     if (status == DDOF_OK) status = check_map(vk, f);
+    if (status == DDOF_OK) status = vulkan_sprites_choose(vk, f, settings);
     if (status != DDOF_OK) return status;
     choose_work(f);
     status = check_output(vk, f, made);
@@ -398,12 +406,19 @@ static ddof_status check_same(ddof_vulkan_frame *f, const ddof_settings *s) {
     const ddof_solver solver = s->solver == DDOF_SOLVER_DEFAULT ? DDOF_SOLVER_LINE : s->solver;
     const ddof_surface surface = s->surface == DDOF_SURFACE_DEFAULT ? DDOF_SURFACE_RGBA16F : s->surface;
     const disc_kernel *disc = disc_of(s);
-    if (s->layers) return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED, "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
-    if (solver != f->asked || surface != f->surface || disc != f->disc ||
+    const vulkan_sprite_kind sprites = vulkan_sprite_kind_of(s);
+    const char *differs = vulkan_sprite_kind_differs(&sprites, &f->sprite_kind);
+    if (s->layers)
+        return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED,
+                            "settings.layers: recorded commands diffuse one layer; ddof_render() has layers");
+    if (s->method == DDOF_METHOD_GAUSSIAN || s->method == DDOF_METHOD_HEXAGON)
+        return context_fail(&f->shell, DDOF_ERROR_UNSUPPORTED, "%s", vulkan_no_such_method);
+    if (differs || solver != f->asked || surface != f->surface || disc != f->disc ||
         (f->is_depth && s->depth.kind != f->depth_kind))
         return context_fail(&f->shell, DDOF_ERROR_INVALID,
                             "settings.%s is not what the frame object was made with: make another for it",
-                            !disc != !f->disc       ? "kernel"
+                            differs                 ? differs
+                            : !disc != !f->disc     ? "kernel"
                             : disc != f->disc       ? "quality"
                             : solver != f->asked    ? "solver"
                             : surface != f->surface ? "surface"
@@ -444,8 +459,20 @@ ddof_status ddof_vulkan_record(ddof_vulkan_frame *frame, VkCommandBuffer command
     if (status == DDOF_OK) status = check_settings(shell, &same, settings);
     if (status == DDOF_OK) status = check_same(frame, settings);
     if (status == DDOF_OK) status = pipeline_prepare(shell, &job, &same, settings, true, &distance);
+    if (status == DDOF_OK && frame->sprites) status = vulkan_sprites_prepare(frame, &job);
     if (status != DDOF_OK) return status;
     const int dispatches = vulkan_passes_record(frame, commands, &job, &region);
     if (stats) fill_stats(frame, dispatches, stats);
+    return DDOF_OK;
+}
+
+ddof_status ddof_vulkan_frame_timestamps(ddof_vulkan_frame *frame, VkQueryPool pool, uint32_t first) {
+    if (!frame) return DDOF_ERROR_INVALID;
+    frame->shell.error[0] = 0;
+    if (!frame->sprites)
+        return context_fail(&frame->shell, DDOF_ERROR_INVALID,
+                            "timestamps are of sprites, and this frame object has none");
+    frame->sprites->timestamps = pool;
+    frame->sprites->first_timestamp = first;
     return DDOF_OK;
 }

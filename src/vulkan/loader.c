@@ -38,8 +38,8 @@ typedef struct candidate {
     VkPhysicalDevice gpu;
     VkPhysicalDeviceType type;
     uint32_t version, family;
-    bool synchronization2, subgroup_size, driver, portability;                  /* extensions */
-    VkBool32 write_without_format, synchronized, sized, full; /* features */
+    bool synchronization2, subgroup_size, driver, portability;          /* extensions */
+    VkBool32 write_without_format, geometry, synchronized, sized, full; /* features */
     ddof_device shown;
 } candidate;
 
@@ -146,15 +146,17 @@ static void look_for_extensions(const instance *in, candidate *c) {
 static bool find_family(const instance *in, candidate *c) {
     VkQueueFamilyProperties family[MOST_FAMILIES];
     uint32_t count = MOST_FAMILIES;
-    bool found = false;
+    int best = -1;
     in->GetPhysicalDeviceQueueFamilyProperties(c->gpu, &count, family);
     for (uint32_t i = 0; i < count; i++) {
         if (!(family[i].queueFlags & VK_QUEUE_COMPUTE_BIT) || !family[i].queueCount) continue;
-        if (found && (family[c->family].timestampValidBits || !family[i].timestampValidBits)) continue;
+        const int worth =
+            2 * ((family[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0) + (family[i].timestampValidBits != 0);
+        if (worth <= best) continue;
         c->family = i;
-        found = true;
+        best = worth;
     }
-    return found;
+    return best >= 0;
 }
 
 static void look_at_features(const instance *in, candidate *c) {
@@ -173,6 +175,7 @@ static void look_at_features(const instance *in, candidate *c) {
     }
     in->GetPhysicalDeviceFeatures2(c->gpu, &all);
     c->write_without_format = all.features.shaderStorageImageWriteWithoutFormat;
+    c->geometry = all.features.geometryShader;
     c->synchronized = sync.synchronization2;
     c->sized = sizes.subgroupSizeControl;
     c->full = sizes.computeFullSubgroups;
@@ -293,9 +296,10 @@ static void choose_features(vulkan_session *s, const candidate *c) {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES,
         .pNext = c->subgroup_size ? &s->subgroup_size : NULL,
         .synchronization2 = VK_TRUE};
-    s->features = (VkPhysicalDeviceFeatures2){.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                              .pNext = &s->synchronization2,
-                                              .features.shaderStorageImageWriteWithoutFormat = VK_TRUE};
+    s->features = (VkPhysicalDeviceFeatures2){
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+        .pNext = &s->synchronization2,
+        .features = {.geometryShader = c->geometry, .shaderStorageImageWriteWithoutFormat = VK_TRUE}};
 }
 
 static VkResult create_device(const instance *in, const candidate *c, const VkPhysicalDeviceFeatures2 *features,

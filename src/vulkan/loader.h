@@ -19,7 +19,7 @@ typedef struct vulkan_session {
     VkInstance instance;
     VkPhysicalDevice physical_device;
     VkDevice device;
-    uint32_t family; /* of `queue`: compute and transfer; with timestamps where there is one */
+    uint32_t family; /* of `queue`: compute and transfer; with graphics, and with timestamps, where there is one */
     VkQueue queue;
     VkPhysicalDeviceMemoryProperties memory;
     VkPhysicalDeviceProperties properties;

@@ -44,6 +44,36 @@ static const uint32_t substitute[] = {
 static const uint32_t final_solve4[] = {
 #include "final_solve4.inc"
 };
+static const uint32_t sprites_histogram[] = {
+#include "sprites_histogram.inc"
+};
+static const uint32_t sprites_raise[] = {
+#include "sprites_raise.inc"
+};
+static const uint32_t sprites_append[] = {
+#include "sprites_append.inc"
+};
+static const uint32_t sprites_take[] = {
+#include "sprites_take.inc"
+};
+static const uint32_t sprites_resolve[] = {
+#include "sprites_resolve.inc"
+};
+static const uint32_t sprites_vertex[] = {
+#include "sprites_vertex.inc"
+};
+static const uint32_t sprites_point[] = {
+#include "sprites_point.inc"
+};
+static const uint32_t sprites_geometry[] = {
+#include "sprites_geometry.inc"
+};
+static const uint32_t sprites_pixel[] = {
+#include "sprites_pixel.inc"
+};
+static const uint32_t sprites_pixel_weight[] = {
+#include "sprites_pixel_weight.inc"
+};
 /* clang-format on */
 
 #define CODE(name) {"compiling the shader " #name, name, sizeof name}
@@ -62,4 +92,14 @@ const vulkan_code vulkan_codes[VULKAN_MODULES] = {
     [MODULE_SOLVE] = CODE(solve),
     [MODULE_SUBSTITUTE] = CODE(substitute),
     [MODULE_FINAL_SOLVE4] = CODE(final_solve4),
+    [MODULE_SPRITES_HISTOGRAM] = CODE(sprites_histogram),
+    [MODULE_SPRITES_RAISE] = CODE(sprites_raise),
+    [MODULE_SPRITES_APPEND] = CODE(sprites_append),
+    [MODULE_SPRITES_TAKE] = CODE(sprites_take),
+    [MODULE_SPRITES_RESOLVE] = CODE(sprites_resolve),
+    [MODULE_SPRITES_VERTEX] = CODE(sprites_vertex),
+    [MODULE_SPRITES_POINT] = CODE(sprites_point),
+    [MODULE_SPRITES_GEOMETRY] = CODE(sprites_geometry),
+    [MODULE_SPRITES_PIXEL] = CODE(sprites_pixel),
+    [MODULE_SPRITES_PIXEL_WEIGHT] = CODE(sprites_pixel_weight),
 };

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#include "sprites.h"
+
 enum {
     THREADS = 64, /* of a workgroup of the passes that have a thread for each unknown */
     SYSTEMS = 8,  /* that three steps of PCR leave */
@@ -53,7 +55,7 @@ static vulkan_constants constants_of(const direction *d, vulkan_module module) {
         c.subgroup = line->subgroup;
     }
     if (f->disc) {
-        c.from_real = d->from == PICTURE_COLOR;
+        c.from_real = d->from == f->first;
         c.add = d->add;
     }
     return c;
@@ -260,7 +262,7 @@ static void solve(direction *d) {
         line(d);
         return;
     }
-    const size_t fit = d->frame->scratch.levels_bytes / one;
+    const size_t fit = d->frame->scratch.buffer_bytes[BUFFER_LEVELS] / one;
     const int band = fit < (size_t)d->lines ? (int)fit : d->lines;
     for (int first = 0; first < d->lines && d->status == DDOF_OK; first += band) {
         d->push.first_line = first;
@@ -277,9 +279,10 @@ static void solve(direction *d) {
 
 /* ---- the frame */
 
-static vulkan_push push_of(const ddof_vulkan_frame *f, const frame_job *job, const vulkan_region *region) {
+vulkan_picture_push vulkan_picture_push_of(const ddof_vulkan_frame *f, const frame_job *job,
+                                           const vulkan_region *region) {
     const lens_curve *c = &job->curve;
-    return (vulkan_push){
+    return (vulkan_picture_push){
         .lens_curve = {c->q_far, lens_q_near(c), c->gain_far, c->gain_near},
         .depth_axis = {c->x_center - (float)job->frame->offset_x, c->y_center - (float)job->frame->offset_y,
                        c->x_tangent, c->y_tangent},
@@ -299,7 +302,7 @@ static void substeps(direction *d, const frame_job *job, const vulkan_region *re
         d->push.scale = (float)job->row_scale;
         d->vertical = false;
         d->last = false;
-        d->from = i == 0 ? PICTURE_COLOR : PICTURE_WORK;
+        d->from = i == 0 ? d->frame->first : PICTURE_WORK;
         d->to = between;
         d->length = region->width;
         d->lines = region->height;
@@ -340,7 +343,7 @@ static void disc(direction *d, const frame_job *job, const vulkan_region *region
             d->vertical = way;
             d->last = i == ways - 1;
             d->add = d->last && j < kernel->components - 1;
-            d->from = i == 0 ? PICTURE_COLOR : PICTURE_WORK;
+            d->from = i == 0 ? d->frame->first : PICTURE_WORK;
             d->to = !d->last ? PICTURE_WORK : j > 0 ? PICTURE_SUM : PICTURE_OUTPUT;
             d->length = way == DISC_ROWS ? region->width : region->height;
             d->lines = way == DISC_ROWS ? region->height : region->width;
@@ -371,7 +374,7 @@ static void begin(const ddof_vulkan_frame *f, VkCommandBuffer commands) {
     VkImageMemoryBarrier2 image[VULKAN_PICTURES];
     uint32_t images = 0;
     for (int i = 0; i < VULKAN_PICTURES; i++)
-        if (f->scratch.image[i])
+        if (f->scratch.image[i] && i != PICTURE_LIGHT && i != PICTURE_WEIGHT) /* the render pass does that */
             image[images++] = (VkImageMemoryBarrier2){.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
                                                       .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                                       .srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
@@ -390,9 +393,13 @@ static void begin(const ddof_vulkan_frame *f, VkCommandBuffer commands) {
 int vulkan_passes_record(const ddof_vulkan_frame *frame, VkCommandBuffer commands, const frame_job *job,
                          const vulkan_region *region) {
     int dispatches = 0;
-    direction d = {
-        .frame = frame, .commands = commands, .push = push_of(frame, job, region), .dispatches = &dispatches};
+    direction d = {.frame = frame,
+                   .commands = commands,
+                   .push = {.picture = vulkan_picture_push_of(frame, job, region)},
+                   .dispatches = &dispatches};
     begin(frame, commands);
-    all_passes(&d, job, region);
+    if (frame->sprites) dispatches += vulkan_sprites_draw(frame, commands, job, region);
+    if (frame->sprite_kind.bokeh != DDOF_BOKEH_FULL) all_passes(&d, job, region);
+    if (frame->sprites) dispatches += vulkan_sprites_resolve(frame, commands, job, region);
     return dispatches;
 }

@@ -21,6 +21,9 @@ typedef struct vulkan_region {
 /* Bytes of levels that a solver keeps in scratch memory for a picture of this size; 0: none. */
 size_t vulkan_levels_bytes(ddof_solver solver, int width, int height);
 
+/* For push constants: the lens, and where the region lies. */
+vulkan_picture_push vulkan_picture_push_of(const ddof_vulkan_frame *frame, const frame_job *job, const vulkan_region *region);
+
 /* Makes the pipelines of every pass that the frame object could ever record. */
 ddof_status vulkan_passes_prepare(ddof_vulkan_frame *frame);
 

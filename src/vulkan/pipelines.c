@@ -7,7 +7,7 @@
 
 #include "device.h"
 
-static VkShaderModule make_module(ddof_vulkan *vk, vulkan_module module, ddof_status *status) {
+VkShaderModule vulkan_module_make(ddof_vulkan *vk, vulkan_module module, ddof_status *status) {
     const vulkan_code *code = &vulkan_codes[module];
     const VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->bytes, .pCode = code->word};
@@ -28,7 +28,7 @@ static VkPipeline make(ddof_vulkan *vk, vulkan_module module, const vulkan_const
         .requiredSubgroupSize = (uint32_t)c->subgroup};
     const bool subgroups = module == MODULE_LINE_SUBGROUPS || module == MODULE_DISC_LINE_SUBGROUPS;
     VkPipeline made = VK_NULL_HANDLE;
-    VkShaderModule shader = make_module(vk, module, status);
+    VkShaderModule shader = vulkan_module_make(vk, module, status);
     if (!shader) return VK_NULL_HANDLE;
     const VkComputePipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,

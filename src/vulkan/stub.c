@@ -56,6 +56,7 @@ DDOF_API ddof_status ddof_vulkan_frame_create(ddof_vulkan *vk, ddof_vulkan_frame
 DDOF_API void ddof_vulkan_frame_destroy(ddof_vulkan_frame **frame);
 DDOF_API ddof_status ddof_vulkan_record(ddof_vulkan_frame *frame, void *commands, const void *view,
                                         const ddof_settings *settings, stub_stats *stats);
+DDOF_API ddof_status ddof_vulkan_frame_timestamps(ddof_vulkan_frame *frame, uint64_t pool, uint32_t first);
 DDOF_API ddof_status ddof_vulkan_pipeline_cache(ddof_vulkan *vk, void *data, size_t *size);
 
 ddof_status ddof_vulkan_create(ddof_vulkan **vk, const stub_config *config) {
@@ -111,6 +112,11 @@ ddof_status ddof_vulkan_record(ddof_vulkan_frame *frame, void *commands, const v
                                const ddof_settings *settings, stub_stats *stats) {
     (void)frame, (void)commands, (void)view, (void)settings;
     if (stats) memset(stats, 0, sizeof *stats);
+    return DDOF_ERROR_UNSUPPORTED;
+}
+
+ddof_status ddof_vulkan_frame_timestamps(ddof_vulkan_frame *frame, uint64_t pool, uint32_t first) {
+    (void)frame, (void)pool, (void)first;
     return DDOF_ERROR_UNSUPPORTED;
 }
 

@@ -69,7 +69,7 @@ frame_set set_make(frame_kind kind, uint64_t seed) {
                             in_place ? 0 : kind.layout);
     set.map = part_or_all(&kind, kind.map, w, h, VK_IMAGE_USAGE_SAMPLED_BIT, kind.layout);
     if (!in_place) {
-        const bool wide = kind.output == VK_FORMAT_R32G32B32A32_SFLOAT || kind.output == VK_FORMAT_R16G16B16A16_SFLOAT;
+        const bool wide = kind.sampled || kind.output == VK_FORMAT_R32G32B32A32_SFLOAT || kind.output == VK_FORMAT_R16G16B16A16_SFLOAT;
         set.output =
             part_or_all(&kind, kind.output, kind.width, kind.height, wide ? both : VK_IMAGE_USAGE_STORAGE_BIT, 0);
     }

@@ -54,8 +54,11 @@ static const char *choose_family(void) {
     VkQueueFamilyProperties families[16];
     uint32_t count = COUNT(families);
     VK(vkGetPhysicalDeviceQueueFamilyProperties)(own.physical, &count, families);
-    for (own.family = 0; own.family < count; own.family++)
-        if (families[own.family].queueFlags & VK_QUEUE_COMPUTE_BIT) return NULL;
+    for (int graphics = 1; graphics >= 0; graphics--) /* sprites are drawn */
+        for (own.family = 0; own.family < count; own.family++)
+            if (families[own.family].queueFlags & VK_QUEUE_COMPUTE_BIT &&
+                (!graphics || families[own.family].queueFlags & VK_QUEUE_GRAPHICS_BIT))
+                return NULL;
     return "no queue of the Vulkan device computes";
 }
 
@@ -69,7 +72,8 @@ static const char *choose_features(bool bare) {
     VK(vkGetPhysicalDeviceFeatures2)(own.physical, &own.features);
     const VkPhysicalDeviceFeatures all = own.features.features;
     own.features.features =
-        (VkPhysicalDeviceFeatures){.shaderStorageImageWriteWithoutFormat = all.shaderStorageImageWriteWithoutFormat};
+        (VkPhysicalDeviceFeatures){.geometryShader = all.geometryShader && !bare,
+                                   .shaderStorageImageWriteWithoutFormat = all.shaderStorageImageWriteWithoutFormat};
     if (!own.synchronization2.synchronization2) return "the Vulkan device has no synchronization2";
     if (!all.shaderStorageImageWriteWithoutFormat)
         return "the Vulkan device has no shaderStorageImageWriteWithoutFormat";

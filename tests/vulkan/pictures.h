@@ -42,6 +42,7 @@ typedef struct frame_kind {
     bool is_depth;               /* map */
     bool half_map;               /* of half size */
     bool parts;                  /* of images with levels and layers */
+    bool sampled;                /* the output, whatever its format */
     int channels;                /* as in ddof_vulkan_images */
     color_pattern pattern;
     coc_pattern coc;

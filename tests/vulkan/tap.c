@@ -48,11 +48,13 @@ TAP_CREATE(CommandPool, VkCommandPoolCreateInfo)
 TAP_CREATE(DescriptorPool, VkDescriptorPoolCreateInfo)
 TAP_CREATE(DescriptorSetLayout, VkDescriptorSetLayoutCreateInfo)
 TAP_CREATE(Fence, VkFenceCreateInfo)
+TAP_CREATE(Framebuffer, VkFramebufferCreateInfo)
 TAP_CREATE(Image, VkImageCreateInfo)
 TAP_CREATE(ImageView, VkImageViewCreateInfo)
 TAP_CREATE(PipelineCache, VkPipelineCacheCreateInfo)
 TAP_CREATE(PipelineLayout, VkPipelineLayoutCreateInfo)
 TAP_CREATE(QueryPool, VkQueryPoolCreateInfo)
+TAP_CREATE(RenderPass, VkRenderPassCreateInfo)
 TAP_CREATE(Sampler, VkSamplerCreateInfo)
 TAP_CREATE(Semaphore, VkSemaphoreCreateInfo)
 TAP_CREATE(ShaderModule, VkShaderModuleCreateInfo)
@@ -89,9 +91,20 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipeli
         one.stage.pNext = NULL;
         one.stage.flags = 0;
     }
-    const VkResult result = fails() ? tap.fail_with
-                                    : REAL(vkCreateComputePipelines)(device, cache, count, tap.subgroup ? &one : info,
-                                                                     allocator, made);
+    const VkResult result =
+        fails() ? tap.fail_with
+                : REAL(vkCreateComputePipelines)(device, cache, count, tap.subgroup ? &one : info, allocator, made);
+    for (uint32_t i = 0; i < count; i++)
+        tap.live += made[i] != VK_NULL_HANDLE;
+    return result;
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL create_graphics(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                                      const VkGraphicsPipelineCreateInfo *info,
+                                                      const VkAllocationCallbacks *allocator, VkPipeline *made) {
+    memset(made, 0, count * sizeof *made);
+    const VkResult result =
+        fails() ? tap.fail_with : REAL(vkCreateGraphicsPipelines)(device, cache, count, info, allocator, made);
     for (uint32_t i = 0; i < count; i++)
         tap.live += made[i] != VK_NULL_HANDLE;
     return result;
@@ -195,6 +208,7 @@ static void lie_about_limits(VkPhysicalDeviceProperties *p) {
     }
     if (tap.shared_bytes) l->maxComputeSharedMemorySize = tap.shared_bytes;
     if (tap.max_side) l->maxImageDimension2D = tap.max_side;
+    if (tap.buffer_range) l->maxStorageBufferRange = tap.buffer_range;
 }
 
 static void lie_about_subgroups(VkShaderStageFlags *stages, VkSubgroupFeatureFlags *operations) {
@@ -237,10 +251,13 @@ static VKAPI_ATTR void VKAPI_CALL families(VkPhysicalDevice physical, uint32_t *
     REAL(vkGetPhysicalDeviceQueueFamilyProperties)(physical, count, p);
     for (uint32_t i = 0; p && tap.no_compute && i < *count; i++)
         p[i].queueFlags &= ~(VkFlags)VK_QUEUE_COMPUTE_BIT;
+    for (uint32_t i = 0; p && tap.no_graphics && i < *count; i++)
+        p[i].queueFlags &= ~(VkFlags)VK_QUEUE_GRAPHICS_BIT;
 }
 
 static void lie_about_format(VkFormat format, VkFormatFeatureFlags *optimal) {
     if (format == tap.no_storage) *optimal &= ~(VkFlags)VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+    if (format == tap.no_blending) *optimal &= ~(VkFlags)VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT;
     if (format == tap.no_sampling) *optimal &= ~(VkFlags)VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
 }
 
@@ -281,16 +298,19 @@ static struct {
     TAPPED_PAIR(DescriptorPool),
     TAPPED_PAIR(DescriptorSetLayout),
     TAPPED_PAIR(Fence),
+    TAPPED_PAIR(Framebuffer),
     TAPPED_PAIR(Image),
     TAPPED_PAIR(ImageView),
     TAPPED_PAIR(PipelineCache),
     TAPPED_PAIR(PipelineLayout),
     TAPPED_PAIR(QueryPool),
+    TAPPED_PAIR(RenderPass),
     TAPPED_PAIR(Sampler),
     TAPPED_PAIR(Semaphore),
     TAPPED("vkCreateShaderModule", create_module),
     TAPPED("vkDestroyShaderModule", destroy_ShaderModule),
     TAPPED("vkCreateComputePipelines", create_pipelines),
+    TAPPED("vkCreateGraphicsPipelines", create_graphics),
     TAPPED("vkDestroyPipeline", destroy_Pipeline),
     TAPPED("vkCreateDevice", create_device),
     TAPPED("vkDestroyDevice", destroy_device),

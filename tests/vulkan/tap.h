@@ -22,12 +22,12 @@ typedef struct vulkan_tap {
     uint32_t api_version; /* of the device */
     uint32_t invocations; /* that a workgroup may have at most */
     uint32_t shared_bytes;
-    bool no_compute;                      /* in any queue family */
+    bool no_compute, no_graphics;         /* in any queue family */
     bool no_shuffle, no_compute_subgroup; /* operations of subgroups; in compute shaders */
     bool no_required_size;                /* of a subgroup, in compute shaders */
     uint32_t subgroup; /* the one size it has: the shader with subgroups gets its shuffles through shared memory */
-    VkFormat no_storage, no_sampling;     /* format without the feature */
-    uint32_t max_side;
+    VkFormat no_storage, no_sampling, no_blending; /* format without the feature */
+    uint32_t max_side, buffer_range;
 } vulkan_tap;
 extern vulkan_tap tap;
 
