@@ -21,12 +21,15 @@ float bokeh_brightness(vec3 color) {
     return max(color.r, max(color.g, color.b));
 }
 
-int bokeh_bin(float v, float threshold) {
-    return clamp(int(floor(log2(v / threshold) * BOKEH_BIN_OCTAVE)), 0, BOKEH_BINS - 1);
-}
-
 float bokeh_edge(int bin, float threshold) {
     return threshold * exp2(float(bin) / BOKEH_BIN_OCTAVE);
+}
+
+// By the edges themselves, as in src/bokeh.c.
+int bokeh_bin(float v, float threshold) {
+    int bin = clamp(int(floor(log2(v / threshold) * BOKEH_BIN_OCTAVE)), 0, BOKEH_BINS - 1);
+    if (bin > 0 && v <= bokeh_edge(bin, threshold)) return bin - 1;
+    return bin < BOKEH_BINS - 1 && v > bokeh_edge(bin + 1, threshold) ? bin + 1 : bin;
 }
 
 float bokeh_visible(float p, float s) {

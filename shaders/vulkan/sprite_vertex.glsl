@@ -31,7 +31,6 @@ Sprite sprite_of(uint i) {
     Sprite s;
     if (FULL != 0) {
         whole = bokeh_share(d);
-        d = clamp(d, -largest, largest);
         filled(p, s.light, unknown);
         s.light *= whole;
     } else {
@@ -42,9 +41,11 @@ Sprite sprite_of(uint i) {
     s.middle = vec3(s.size > 0 ? 0.5 * vec2(p >> (s.size - 1)) - 0.25 : vec2(p), d);
     s.cat = cats_eye * per_diagonal * vec2(float(p.x) - middle.x, (middle.y - float(p.y)) / iris_aspect);
     float gain = cats_eye != 0.0 ? cats_gain_of(s.cat) : 1.0;
+    ivec2 place_at = s.size > 0 ? (p >> (s.size - 1)) & 1 : ivec2(0); // iris_sum() of src/iris.h
+    int sums = (d < 0.0 ? 5 : 0) + (s.size > 0 ? 1 + place_at.x + 2 * place_at.y : 0);
     for (int c = 0; c < 3; c++) {
         int node = int(iris_node(abs(d) * (1.0 + side * fringe * float(1 - c)))) - 64 * max(s.size - 1, 0);
-        float one = inverse_sum[s.size > 0 ? 833 + node : node] * gain;
+        float one = inverse_sum[833 * sums + node] * gain;
         s.mask[c] = diameter[node] * (s.size > 0 ? 0.5 : 1.0);
         s.level[c] = iris_level(float(node), s.size > 0);
         s.light[c] *= one;
@@ -57,7 +58,7 @@ Sprite sprite_of(uint i) {
 
 // Corner 0 to 3 of the pixels that it may cover, cut off where its level ends.
 vec4 sprite_corner(Sprite s, int corner) {
-    float radius = 0.5 * max(s.mask.x, max(s.mask.y, s.mask.z));
+    float radius = 0.5 * iris_reach * max(s.mask.x, max(s.mask.y, s.mask.z));
     vec2 reach = vec2(radius / iris_squeeze + 2.0, (radius + 1.0) * iris_aspect + 1.0);
     vec2 way = vec2(corner & 1, corner >> 1) * 2.0 - 1.0;
     vec2 at = clamp(s.middle.xy + 0.5 + way * reach, vec2(0.0), vec2(level_size(s.size))) + vec2(s.origin);

@@ -56,8 +56,9 @@ layout(set = 0, binding = 6, std430) readonly buffer Tables {
     float cats_eye, iris_squeeze, fringe, iris_aspect;
     vec2 iris_turn, middle; // middle: of the whole picture, in pixels of this one
     float per_diagonal;     // half diagonals that a pixel width is
-    float spare[3];
-    float diameter[833], inverse_sum[2 * 833], cats_gain[65], texel[21824];
+    float iris_reach;       // radii, to either side
+    float spare[2];
+    float diameter[833], inverse_sum[10 * 833], cats_gain[65], texel[21824];
 };
 
 #include "../include/coc.glsl"
@@ -78,11 +79,12 @@ vec4 color_of(ivec2 p) {
     return x;
 }
 
-// Signed CoC; not a number where it is not known.
+// Signed CoC, limited; not a number where it is not known.
 float coc_of(ivec2 p) {
     float d = texelFetch(coc_map, map_place + (p >> map_shift), 0).x;
     if (DEPTH != 0) d = depth_coc(d, vec2(p) + 0.5);
-    return is_finite(d) ? clamp(d, -COC_LIMIT, COC_LIMIT) : uintBitsToFloat(0x7fc00000u);
+    float limit = FULL != 0 ? largest : COC_LIMIT;
+    return is_finite(d) ? clamp(d, -limit, limit) : uintBitsToFloat(0x7fc00000u);
 }
 
 // Of those channels that shine.

@@ -50,7 +50,7 @@ void append_full(ivec2 p, bool inside) {
     uint i = place_in_list(bokeh_share(d) > 0.0);
     if (i >= most) return;
     list[i] = sprite_place(p, d);
-    use_level(min(abs(d), largest));
+    use_level(abs(d));
 }
 
 void append_highlight(ivec2 p, bool inside) {

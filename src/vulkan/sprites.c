@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "../bokeh.h"
-#include "../image.h"
+#include "../cpu/kernels.h"
 
 enum {
     SIDE = 8,       /* pixels of a workgroup of the passes over the picture */
@@ -19,19 +19,6 @@ enum {
 
 /* ---- the iris */
 
-/* A sum of what an iris's image shows (FNV-1a of its values): it may change and its description stay. */
-static uint64_t sum_of(const ddof_image *image) {
-    uint64_t sum = UINT64_C(14695981039346656037);
-    for (int y = 0; image->channels && y < image->height; y++)
-        for (int x = 0; x < image->width; x++) {
-            const float v = (float)image_value(image, 0, x, y);
-            uint32_t bits;
-            memcpy(&bits, &v, sizeof bits);
-            sum = (sum ^ bits) * UINT64_C(1099511628211);
-        }
-    return sum;
-}
-
 static void fill_tables(vulkan_sprites *s) {
     const iris_shape *shape = &s->iris.shape;
     sprite_tables *t = &s->tables;
@@ -41,6 +28,7 @@ static void fill_tables(vulkan_sprites *s) {
                          .edge = shape->edge,
                          .squeeze = shape->squeeze,
                          .aspect = shape->aspect,
+                         .reach = s->iris.reach,
                          .turn = {shape->cosine, shape->sine}};
     memcpy(t->diameter, s->iris.diameter, sizeof t->diameter);
     memcpy(t->inverse_sum, s->iris.inverse_sum, sizeof t->inverse_sum);
@@ -64,18 +52,10 @@ static void fill_places(const ddof_vulkan_frame *f, const frame_job *job) {
 
 ddof_status vulkan_sprites_prepare(ddof_vulkan_frame *f, const frame_job *job) {
     vulkan_sprites *s = f->sprites;
-    const ddof_iris *wanted = &job->settings->iris;
-    const uint64_t values = sum_of(&wanted->image);
-    if (!s->iris.made || memcmp(wanted, &s->made_of, sizeof *wanted) != 0 || job->pixel_aspect != s->made_for_aspect ||
-        values != s->made_of_values) {
-        if (!iris_make(&s->iris, wanted, job->pixel_aspect, cpu_kernels_baseline.sprites))
-            return context_fail(&f->shell, DDOF_ERROR_INVALID,
-                                "settings.iris.image lets no light through: all of it is 0, below, or not a number");
-        memcpy(&s->made_of, wanted, sizeof *wanted);
-        s->made_for_aspect = job->pixel_aspect;
-        s->made_of_values = values;
-        fill_tables(s);
-    }
+    if (!iris_make(&s->iris, &job->settings->iris, job->pixel_aspect, cpu_kernels_baseline.sprites))
+        return context_fail(&f->shell, DDOF_ERROR_INVALID,
+                            "settings.iris.image lets no light through: all of it is 0, below, or not a number");
+    fill_tables(s);
     fill_places(f, job);
     return DDOF_OK;
 }

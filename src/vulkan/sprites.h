@@ -45,8 +45,8 @@ typedef struct sprite_tables {
     int32_t kind;
     float blades, curvature, edge, cats_eye, squeeze, fringe, aspect;
     float turn[2], middle[2];
-    float per_diagonal, spare[3];
-    float diameter[IRIS_NODES], inverse_sum[2][IRIS_NODES], cats_gain[IRIS_CATS];
+    float per_diagonal, reach, spare[2];
+    float diameter[IRIS_NODES], inverse_sum[IRIS_SUMS][IRIS_NODES], cats_gain[IRIS_CATS];
     float texel[IRIS_TEXELS];
 } sprite_tables;
 
@@ -86,9 +86,6 @@ typedef struct vulkan_sprites {
     VkQueryPool timestamps; /* null: none are wanted */
     uint32_t first_timestamp;
     iris iris;
-    ddof_iris made_of; /* what it shows; and a sum of its image's values */
-    double made_for_aspect;
-    uint64_t made_of_values;
     sprite_tables tables;
 } vulkan_sprites;
 

@@ -402,6 +402,7 @@ static void other_settings(void **state) {
     }
     ddof_settings other = good;
     other.method = DDOF_METHOD_HEXAGON;
+    other.bokeh = DDOF_BOKEH_OFF;
     assert_int_equal(ddof_vulkan_record(frame, commands, NULL, &other, NULL), DDOF_ERROR_UNSUPPORTED);
     other = good;
     other.sprites.resolution = DDOF_RESOLUTION_FULL; /* what 0 means, said */
