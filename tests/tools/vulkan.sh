@@ -91,6 +91,13 @@ for pair in "--surface rgba32f:72" "--type half:36" "--surface rgba32f --type ha
     passes "bench ${pair%:*}" "$DDOF" bench $small ${pair%:*} --json
     near "bench ${pair%:*}: bytes per pixel" "$(member moved_bytes_per_pixel)" "${pair#*:}" 0
 done
+for pair in "highlights --append counter:highlights counter instanced" "full --append arguments:full arguments instanced"; do
+    passes "bench --bokeh ${pair%:*}" "$DDOF" bench $small --coc 8 --bokeh ${pair%:*} --json
+    check "bench --bokeh ${pair%:*}: named" test "$(member bokeh) $(member append) $(member quads)" = "${pair#*:}"
+    if [ "$(member timing)" = timestamps ]; then has_members "bench --bokeh ${pair%:*}: members" append_ms draw_ms draw_append_ratio; fi
+done
+passes "bench --bokeh highlights" "$DDOF" bench $small --coc 8 --bokeh highlights --json
+above "bench --bokeh highlights: a ratio" "$(member highlights_ratio)" 0
 passes "bench, for people" "$DDOF" bench $small
 for line in '^solver +line in [0-9]+ dispatch' '^solve +[0-9.]+ ms median' '^copy +[0-9.]+ ms median' '^ratio +[0-9.]+ times the copy' '^scratch +[0-9.]+ bytes per pixel'; do
     check "bench, for people: $line" grep -Eq "$line" "$work/out"
