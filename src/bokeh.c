@@ -121,8 +121,11 @@ typedef struct work {
     int width, height, colors, chunks;
     bool straight, direct; /* direct: the result is the caller's output */
     ddof_image color, output; /* the caller's, resolved, alpha as it comes */
+    pixels source;            /* where the picture is read: the caller's memory where it is fit for that */
     pixels picture, result;   /* what light is taken from; what it is drawn on, after the blur. May be the same */
+    const float **rows;       /* NULL, or of the picture those that light was taken from: the others are only read */
     float *coc;
+    bool coc_direct;          /* that is the caller's */
     float *peak;              /* the brightest of each chunk */
     int *first;               /* sprite of a row; height + 1 */
     bokeh_sprite *sprite;
@@ -181,10 +184,11 @@ static size_t take_targets(work *w, char *base) {
 
 /* The blur of what is left. */
 static void inner_of(const work *w, inner_job *inner) {
-    const ddof_image part = ddof_image_interleaved(w->picture.base, w->width, w->height, 4, DDOF_FLOAT, w->picture.stride);
+    const ddof_image part = ddof_image_interleaved(w->source.base, w->width, w->height, 4, DDOF_FLOAT, w->source.stride);
     const ddof_image map = ddof_image_interleaved(w->coc, w->width, w->height, 1, DDOF_FLOAT, 0);
     pipeline_inner(inner, w->job, &part, &map, 0, 0);
     inner->frame.output = ddof_image_interleaved(w->result.base, w->width, w->height, 4, DDOF_FLOAT, w->result.stride);
+    inner->job.source_rows = w->rows;
     inner->job.highlights = false;
     inner->settings.bokeh = DDOF_BOKEH_OFF;
 }
@@ -210,7 +214,19 @@ static size_t lay_out(work *w, ddof_context *ctx, frame_job *job, char *base) {
     if (!w->direct || (job->disc && !full))
         w->picture = (pixels){take(base, &used, n * 4 * sizeof(float)), (ptrdiff_t)sizeof(float) * 4 * w->width};
     if (!w->direct) w->result = w->picture;
-    w->coc = take(base, &used, n * sizeof(float));
+    w->source = w->picture;
+    if (ctx->backend->rows && !full && w->direct && image_is_rgba(&w->color) && w->color.plane[0].data != w->output.plane[0].data) {
+        if (w->picture.base == w->result.base)
+            w->picture = (pixels){take(base, &used, n * 4 * sizeof(float)), (ptrdiff_t)sizeof(float) * 4 * w->width};
+        w->source = (pixels){w->color.plane[0].data, w->color.plane[0].row_stride};
+        w->rows = take(base, &used, tall * sizeof *w->rows);
+        if (base) memset(w->rows, 0, tall * sizeof *w->rows);
+    }
+    ddof_image map = job->coc_source;
+    image_resolve(&map);
+    w->coc_direct = !full && !job->is_depth && plane_is_tight(&map.plane[0]) &&
+                    map.plane[0].row_stride == (ptrdiff_t)sizeof(float) * w->width;
+    w->coc = w->coc_direct ? map.plane[0].data : take(base, &used, n * sizeof(float));
     w->peak = take(base, &used, (size_t)w->chunks * tall * sizeof(float));
     w->first = take(base, &used, (tall + 1) * sizeof(int));
     const size_t most = (size_t)w->limits.max_sprites < n ? (size_t)w->limits.max_sprites : n;
@@ -264,7 +280,7 @@ static inline float *at(pixels p, int x, int y) {
 }
 
 static float *pixel_at(const work *w, int x, int y) {
-    return at(w->picture, x, y);
+    return at(w->source, x, y);
 }
 
 static float *coc_at(const work *w, int x, int y) {
@@ -273,22 +289,27 @@ static float *coc_at(const work *w, int x, int y) {
 
 /* ---- the picture */
 
-static void load_rows(work *w, int worker, int y0, int y1) {
-    frame_job *job = w->job;
-    ddof_image map = job->coc_source;
+/* Limited; what is no number stays none. */
+static void load_coc(const work *w, int y, float *coc) {
+    const frame_job *job = w->job;
     const float most = job->method == DDOF_METHOD_SCATTER ? w->limits.largest : (float)COC_LIMIT;
-    (void)worker;
+    ddof_image map = job->coc_source;
     image_resolve(&map);
+    plane_load(&map, 0, 0, y, w->width, coc, w->k->pixels);
+    if (job->is_depth) w->k->pixels->lens(&job->curve, coc, coc, w->width, job->frame->offset_x, y + job->frame->offset_y);
+    for (int x = 0; x < w->width; x++)
+        coc[x] = coc[x] > most && finite_value(coc[x]) ? most : coc[x] < -most && finite_value(coc[x]) ? -most : coc[x];
+}
+
+static void load_rows(work *w, int worker, int y0, int y1) {
+    (void)worker;
     for (int y = y0; y < y1; y++) {
         float *rgba = pixel_at(w, 0, y), *coc = coc_at(w, 0, y);
         if (image_is_rgba(&w->color) && !w->straight && (void *)rgba != image_at(&w->color, 0, 0, y))
             memcpy(rgba, image_at(&w->color, 0, 0, y), 4 * (size_t)w->width * sizeof *rgba);
         else if (!image_is_rgba(&w->color) || w->straight)
             span_load(&w->color, 0, y, w->width, rgba, w->straight, w->k->pixels);
-        plane_load(&map, 0, 0, y, w->width, coc, w->k->pixels);
-        if (job->is_depth) w->k->pixels->lens(&job->curve, coc, coc, w->width, job->frame->offset_x, y + job->frame->offset_y);
-        for (int x = 0; x < w->width; x++) /* what is no number stays none */
-            coc[x] = coc[x] > most && finite_value(coc[x]) ? most : coc[x] < -most && finite_value(coc[x]) ? -most : coc[x];
+        if (!w->coc_direct) load_coc(w, y, coc);
         for (int c = 0; c < w->chunks; c++) {
             const int x = c * CHUNK, n = w->width - x < CHUNK ? w->width - x : CHUNK;
             w->peak[(ptrdiff_t)w->chunks * y + c] = w->k->sprites->brightest(rgba + 4 * (ptrdiff_t)x, n, w->colors);
@@ -406,8 +427,12 @@ static void list_rows(work *w, int worker, int y0, int y1) {
 
 static void take_rows(work *w, int worker, int y0, int y1) {
     (void)worker;
+    for (int y = y0; y < y1 && w->rows; y++) {
+        if (w->first[y] == w->first[y + 1]) continue;
+        w->rows[y] = memcpy(at(w->picture, 0, y), pixel_at(w, 0, y), 4 * (size_t)w->width * sizeof(float));
+    }
     for (int i = w->first[y0]; i < w->first[y1]; i++) {
-        float *rgba = pixel_at(w, w->sprite[i].x, w->sprite[i].y);
+        float *rgba = at(w->picture, w->sprite[i].x, w->sprite[i].y);
         for (int c = 0; c < w->colors; c++) rgba[c] -= w->sprite[i].one * w->sprite[i].color[c];
     }
 }

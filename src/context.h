@@ -26,6 +26,7 @@ typedef struct frame_job {
     int substeps;
     const disc_kernel *disc; /* NULL: the heat kernel, and the three above are its */
     double pixel_aspect;
+    const float *const *source_rows; /* NULL, or for each row of the colour NULL or what is to be diffused in its place: RGBA float */
     ddof_method method;       /* SCATTER also where the bokeh is FULL */
     bool highlights;          /* bokeh HIGHLIGHTS */
     float nearest;            /* of the picture, where it is a filled_picture */
@@ -46,6 +47,7 @@ typedef struct inner_job {
 typedef struct backend {
     ddof_backend id;
     bool disc; /* diffuses with the disc kernel too */
+    bool rows; /* diffuse() looks at job.source_rows */
     size_t (*scratch_bytes)(const ddof_context *ctx, const frame_job *job);
     ddof_status (*coc)(ddof_context *ctx, frame_job *job, void *scratch);
     ddof_status (*diffuse)(ddof_context *ctx, frame_job *job, void *scratch);

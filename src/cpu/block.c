@@ -56,7 +56,9 @@ void block_load_pixels(const cpu_frame *f, cpu_rows *in, const block_room *room,
         }
         float *copy = room->pixels + ((ptrdiff_t)f->width + PAD) * 4 * r;
         in->pixel[r] = copy;
-        if (f->source_direct)
+        if (f->rows && f->rows[y + r])
+            in->pixel[r] = f->rows[y + r];
+        else if (f->source_direct)
             in->pixel[r] = image_at(&f->source, 0, 0, y + r);
         else
             span_load(&f->source, 0, y + r, f->width, copy, f->straight_in, f->k->pixels);

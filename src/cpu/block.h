@@ -29,6 +29,7 @@ typedef struct cpu_frame {
     const cpu_kernels *k;
     int width, height, lanes;
     ddof_image source; /* strides resolved, alpha premultiplied: straight_in says what it is */
+    const float *const *rows; /* job.source_rows, while the source is the job's */
     bool straight_in;
     bool source_direct; /* rows are used where they lie */
     bool coc_direct;

@@ -387,7 +387,8 @@ ddof_status disc_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
                           .width = frame->color.width,
                           .height = frame->color.height,
                           .lanes = lanes,
-                          .source = frame->color},
+                          .source = frame->color,
+                          .rows = job->source_rows},
                     .k = ctx->kernels->disc,
                     .kernel = job->disc,
                     .output = frame->output};

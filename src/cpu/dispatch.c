@@ -70,5 +70,5 @@ static const char *device(const ddof_context *ctx) {
     return ctx->kernels->name;
 }
 
-const backend backend_cpu = {.id = DDOF_BACKEND_CPU, .disc = true, .scratch_bytes = cpu_scratch_bytes, .coc = cpu_coc, .diffuse = cpu_diffuse,
+const backend backend_cpu = {.id = DDOF_BACKEND_CPU, .disc = true, .rows = true, .scratch_bytes = cpu_scratch_bytes, .coc = cpu_coc, .diffuse = cpu_diffuse,
                              .gaussian = cpu_gaussian, .hexagon = cpu_hexagon, .device = device};

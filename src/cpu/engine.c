@@ -227,6 +227,7 @@ ddof_status cpu_diffuse(ddof_context *ctx, frame_job *job, void *scratch) {
         const bool last = i == job->substeps - 1;
         s.first = i == 0;
         s.f.source = s.first ? color : s.work;
+        s.f.rows = s.first ? job->source_rows : NULL;
         s.f.straight_in = s.first && straight;
         s.result = last ? output : s.work;
         s.straight_out = last && straight;
