@@ -243,7 +243,7 @@ typedef enum ddof_bokeh {
     DDOF_BOKEH_HIGHLIGHTS = 1, /* what of a pixel is brighter than sprites.threshold is taken out of the picture before it is
                                   blurred, and drawn afterwards with the same sum. Needs DDOF_METHOD_DIFFUSION */
     DDOF_BOKEH_FULL = 2        /* every pixel out of focus is drawn; nothing is diffused. Far, in focus and near are gathered by
-                                  themselves and laid over each other. The cost grows with the square of the CoC */
+                                  themselves and laid over each other. The cost grows with the square of the CoC up to 64 pixels */
 } ddof_bokeh;
 
 typedef enum ddof_resolution {
@@ -269,7 +269,7 @@ typedef enum ddof_quads {
 
 /* Which pixels become sprites. With v the largest of a pixel's R, G and B (fewer channels: of those), it is a highlight where
  * v > threshold; 1 - (threshold/v)^2 of its colour is taken, alpha stays. Its CoC is that of the brightest pixel at most 2
- * pixels away. Below 2 pixels of |CoC| nothing is taken, from 4 on all, and again nothing near and beyond `limit`.
+ * pixels away. Below 2 pixels of |CoC| nothing is taken, from 4 on all; beyond `limit` again nothing.
  * A sprite farther than what is seen at a pixel does not cover it: light that falls on something nearer is lost, as in a lens.
  * What would fall out of the picture is diffused, and so stays in it. */
 typedef struct ddof_sprites {
@@ -477,6 +477,8 @@ typedef struct ddof_stats {
  * without fused multiply-add.
  * With DDOF_KERNEL_DISC the result may leave the range: by 2.5 % of the disc's brightness around a light, 1 % of the step at
  * an edge, by up to 1.2 times the range where the CoC is noise; the error against float64 is at most 2e-5 of the range. With layers or a holdout the sum is not kept.
+ * With DDOF_BOKEH_HIGHLIGHTS the sum is kept as without, but for light that falls on something nearer: to 1 % of the highlights' light with a
+ * cat's eye, to 2 % of it where they are cut off by the border. A channel that is constant stays so only where nothing is a highlight.
  * Non-finite values: a pixel with a non-finite colour channel, a NaN depth or a non-finite CoC is a hole. Its colour is
  * not used: along its row the neighbours fill it by the same diffusion, however sharp they are (along its column where the
  * whole row is holes). With layers or a holdout they fill it from all sides. A hole without a CoC blurs as its neighbours do. Holes are counted in stats; a picture of holes gives
