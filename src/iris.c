@@ -141,14 +141,14 @@ static double mask_sum(const iris *of, const sprite_kernels *k, const iris_row *
 
 enum {
     WIDEST = 6 * IRIS_OCTAVE,     /* that is drawn: 64 pixels */
-    SUMMED = WIDEST + IRIS_OCTAVE * 5 / 8 /* and with fringe half as much again; beyond that a sum grows with the area */
+    WIDEST_FRINGE = WIDEST + IRIS_OCTAVE * 5 / 8 /* and with fringe half as much again; beyond that a sum grows with the area */
 };
 
 /* place: -1 in a picture of its size, else one of four in half of it, bit 0 to the right, bit 1 below. */
 static void make_inverse_sums(const iris *of, const sprite_kernels *k, int place, bool near, float *inverse) {
     const bool half = place >= 0;
     const float off_x = half ? place & 1 ? -0.25f : 0.25f : 0, off_y = half ? place & 2 ? -0.25f : 0.25f : 0;
-    const int last = SUMMED + half * IRIS_OCTAVE;
+    const int last = (of->shape.fringe != 0 ? WIDEST_FRINGE : WIDEST) + half * IRIS_OCTAVE;
     for (int node = 0; node < IRIS_NODES; node++)
         if (node <= last) {
             const iris_row like = {.diameter = of->diameter[node] / (half ? 2 : 1), .side = near ? -1 : 1, .level = iris_level(node, half)};
