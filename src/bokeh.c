@@ -297,8 +297,7 @@ static void load_coc(const work *w, int y, float *coc) {
     image_resolve(&map);
     plane_load(&map, 0, 0, y, w->width, coc, w->k->pixels);
     if (job->is_depth) w->k->pixels->lens(&job->curve, coc, coc, w->width, job->frame->offset_x, y + job->frame->offset_y);
-    for (int x = 0; x < w->width; x++)
-        coc[x] = coc[x] > most && finite_value(coc[x]) ? most : coc[x] < -most && finite_value(coc[x]) ? -most : coc[x];
+    for (int x = 0; x < w->width; x++) coc[x] = coc_within(coc[x], most);
 }
 
 static void load_rows(work *w, int worker, int y0, int y1) {

@@ -12,4 +12,10 @@
  * normal float. */
 #define BETA_FLOOR 1e-14
 
+/* So that sums of CoC stay finite; what is no number stays none. */
+static inline float coc_within(float coc, float most) {
+    if (!(coc - coc == 0)) return coc;
+    return coc > most ? most : coc < -most ? -most : coc;
+}
+
 #endif

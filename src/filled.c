@@ -79,7 +79,7 @@ static void load_rows(void *user, int y0, int y1) {
         plane_load(&w->map, 0, 0, y, p->width, coc, k);
         if (job->is_depth) k->lens(&job->curve, coc, coc, p->width, job->frame->offset_x, y + job->frame->offset_y);
         for (int x = 0; x < p->width; x++) {
-            if (finite_value(coc[x])) coc[x] = coc[x] > most ? most : coc[x] < -most ? -most : coc[x];
+            coc[x] = coc_within(coc[x], most);
             if (finite_value(coc[x]) && -coc[x] > nearest) nearest = -coc[x];
             holes += !finite_pixel(p, x, y);
         }

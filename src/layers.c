@@ -230,12 +230,6 @@ static void find_holes(work *w, const float *rgba, float *coc, const float *mask
     if (transparent) atomic_store(&w->transparent, 1);
 }
 
-/* So that sums of CoC stay finite; what is no number stays none. */
-static float limited(float coc) {
-    const float most = (float)COC_LIMIT;
-    return !finite_value(coc) ? coc : coc > most ? most : coc < -most ? -most : coc;
-}
-
 static void load_row(work *w, int y, float *room) {
     float *coc = w->coc + (size_t)w->width * (size_t)y, *rgba = at(w->source, 0, y);
     frame_job *job = w->job;
@@ -245,7 +239,7 @@ static void load_row(work *w, int y, float *room) {
     image_resolve(&map);
     plane_load(&map, 0, 0, y, w->width, coc, w->k);
     if (job->is_depth) w->k->lens(&job->curve, coc, coc, w->width, job->frame->offset_x, y + job->frame->offset_y);
-    for (int x = 0; x < w->width; x++) coc[x] = limited(coc[x]);
+    for (int x = 0; x < w->width; x++) coc[x] = coc_within(coc[x], (float)COC_LIMIT);
     const int found = w->layers->inspect(rgba, coc, w->width);
     if (job->frame->holdout) {
         int64_t held = 0;
