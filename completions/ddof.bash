@@ -8,10 +8,10 @@ _ddof_options() {
         --sensor-width --fstop --unit --focus --focus-at --focus-range --max-coc --max-coc-near --max-coc-far"
     local engine="--threads --backend --device --cpu" gpu="--solver --surface --shared-chain"
     local bokeh="--bokeh --iris --bokeh-threshold --bokeh-limit --max-sprites --max-sprite-area --bokeh-resolution"
-    local report="--quiet --json --help"
+    local shot="--frames --resume --keep-going --in-flight" report="--quiet --json --help"
     case $1 in
-        render) echo "--output $blur --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $engine $gpu $report" ;;
-        coc) echo "--output $blur --exposure $engine $report" ;;
+        render) echo "--output $shot $blur --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $engine $gpu $report" ;;
+        coc) echo "--output $shot $blur --exposure $engine $report" ;;
         info) echo "--layer --depth --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
@@ -55,7 +55,7 @@ _ddof_value() {
     local choices=
     case $2 in
         --depth-kind) choices="planar ray inverse normalized device" ;;
-        --method) choices="diffusion gaussian hexagon scatter" ;;
+        --method) choices="diffusion gaussian hexagon scatter none" ;;
         --bokeh) choices="off highlights full" ;;
         --iris) choices="disc blades= image=" ;;
         --bokeh-resolution) choices="full half" ;;
@@ -82,7 +82,7 @@ _ddof_value() {
             _ddof_files "$pictures" "$3"
             return 0
             ;;
-        --layer | --near | --far | --coc-scale | --render | --focal-length | --sensor-width | --fstop | --unit | --focus | \
+        --frames | --in-flight | --layer | --near | --far | --coc-scale | --render | --focal-length | --sensor-width | --fstop | --unit | --focus | \
             --focus-at | --focus-range | --max-coc | --max-coc-near | --max-coc-far | --runs | --channels | --substeps | \
             --bokeh-threshold | --bokeh-limit | --max-sprites | --max-sprite-area | --amplify | --exposure | --threads | --device) return 0 ;;
         *) return 1 ;;

@@ -59,8 +59,6 @@ float io_linear_to_srgb(float linear);
 void io_half_to_float(const uint16_t *in, float *out, size_t count, size_t out_stride);
 void io_float_to_half(const float *in, uint16_t *out, size_t count, size_t in_stride);
 
-/* What `threads` of io_options means: itself, or for 0 the processors this process may use. 1 to 256. */
-int io_thread_count(int threads);
 /* Runs task(data, 0..count-1) on `threads` pthreads (0: as many as the process may use), the caller's among them. */
 void io_parallel(int threads, int count, void (*task)(void *data, int index), void *data);
 

@@ -73,6 +73,9 @@ typedef struct io_options {
     uint64_t max_pixels; /* refuse larger declared sizes before allocating anything; 0: 2^31 pixels a channel */
 } io_options;
 
+/* What `threads` of io_options means: itself, or for 0 the processors this process may use. 1 to 256. */
+int io_thread_count(int threads);
+
 /* Opens a file and reads its header: parts, channels, windows. The format is known by the file's first bytes, not its
  * name. A declared size that the file's length cannot hold is refused here. On failure *picture is NULL. */
 int io_open(io_picture **picture, const char *path, io_meaning meaning, const io_options *options, io_error *error);

@@ -254,7 +254,7 @@ int command_bench(const options *o) {
     backend_choice choice;
     session work = {0};
     bool stand_in = false;
-    int status = bench_check(o);
+    int status = method_none(o) ? fail_usage("--method: none is for render; there is nothing to time") : bench_check(o);
     if (status) return status;
     if (option_given(o, OPT_TABLE) && !(backend && strcmp(backend, "vulkan") == 0)) return bench_table(o);
     status = backend_choose(&choice, o);

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "message.h"
+#include "sequence.h"
 
 enum { LARGEST_FILE = 16 << 20 }; /* bytes; some ten thousand frames */
 
@@ -145,21 +146,6 @@ static int read_depth(const char *path, const cJSON *depth, camera *result) {
 }
 
 /* ------------------------------------------------------------------------- which entry of "renders" */
-
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
-/* The last number of a file's name before its ending, "pinhole.0007.exr" -> 7; -1: none. */
-static long frame_of_name(const char *path) {
-    const char *name = base_name(path), *dot = strrchr(name, '.');
-    const char *end = dot && dot > name ? dot : name + strlen(name);
-    const char *start = end;
-    while (start > name && isdigit((unsigned char)start[-1]))
-        start--;
-    return start < end && end - start < 10 ? strtol(start, NULL, 10) : -1;
-}
 
 static long frame_of_entry(const cJSON *entry) {
     const cJSON *frame = member(entry, "frame");

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "frame.h"
 #include "job.h"
 #include "json.h"
 #include "message.h"
@@ -116,32 +117,38 @@ static int write_false_color(const job *j, const options *o, const char *path, c
 
 /* ------------------------------------------------------------------------- report */
 
-static int report(const job *j, const options *o, const summary *s) {
-    const double share = s->counted ? (double)s->in_focus / (double)s->counted : 0;
-    const char *path = option_text(o, OPT_OUTPUT);
-    if (option_given(o, OPT_JSON)) {
-        cJSON *object = cJSON_CreateObject();
-        json_text(object, "input", o->file[0]);
-        json_text(object, "output", path);
-        json_integer(object, "width", j->frame.color.width);
-        json_integer(object, "height", j->frame.color.height);
-        json_number(object, "coc_min_px", (double)s->low);
-        json_number(object, "coc_max_px", (double)s->high);
-        json_number(object, "in_focus_fraction", share);
-        json_number(object, "focus_distance", s->stats.focus_distance);
-        json_integer(object, "nonfinite_pixels", (double)s->stats.nonfinite_pixels);
-        if (*j->file.entry) json_text(object, "camera_render", j->file.entry);
-        return json_finish(object);
-    }
-    if (option_given(o, OPT_QUIET)) return 0;
-    printf("%s: CoC %.2f to %.2f px, %.1f %% in focus (below 1 px)", path, (double)s->low, (double)s->high,
-           100 * share);
-    if (!j->frame.coc.channels) printf(", focus %.4g", s->stats.focus_distance);
-    printf("\n");
-    return finish_output();
+static cJSON *report_json(const job *j, const options *o, const summary *s, double share) {
+    cJSON *object = cJSON_CreateObject();
+    json_text(object, "input", o->file[0]);
+    json_text(object, "output", option_text(o, OPT_OUTPUT));
+    json_integer(object, "width", j->frame.color.width);
+    json_integer(object, "height", j->frame.color.height);
+    json_number(object, "coc_min_px", (double)s->low);
+    json_number(object, "coc_max_px", (double)s->high);
+    json_number(object, "in_focus_fraction", share);
+    json_number(object, "focus_distance", s->stats.focus_distance);
+    json_integer(object, "nonfinite_pixels", (double)s->stats.nonfinite_pixels);
+    if (*j->file.entry) json_text(object, "camera_render", j->file.entry);
+    return object;
 }
 
-static int work(const job *j, const options *o, session *s, io_format format, float *coc) {
+static int report(frame_report *made, const job *j, const options *o, const summary *s) {
+    const double share = s->counted ? (double)s->in_focus / (double)s->counted : 0;
+    char focus[48] = "";
+    if (option_given(o, OPT_JSON)) {
+        made->object = report_json(j, o, s, share);
+        return made->object ? 0 : fail("--json: out of memory");
+    }
+    if (option_given(o, OPT_QUIET)) return 0;
+    if (!j->frame.coc.channels) snprintf(focus, sizeof focus, ", focus %.4g", s->stats.focus_distance);
+    if (asprintf(&made->text, "%s: CoC %.2f to %.2f px, %.1f %% in focus (below 1 px)%s\n", option_text(o, OPT_OUTPUT),
+                 (double)s->low, (double)s->high, 100 * share, focus) >= 0)
+        return 0;
+    made->text = NULL;
+    return fail("%s: out of memory for its report", o->file[0]);
+}
+
+static int work(const job *j, const options *o, session *s, io_format format, float *coc, frame_report *made) {
     const char *path = option_text(o, OPT_OUTPUT);
     const int width = j->frame.color.width, height = j->frame.color.height;
     ddof_frame frame = j->frame;
@@ -156,26 +163,25 @@ static int work(const job *j, const options *o, session *s, io_format format, fl
     if (found.counted == 0) return fail("%s: no pixel has finite depth; there is no CoC", o->file[0]);
     session_note(s, o->file[0]);
     int status = format == IO_PNG ? write_false_color(j, o, path, coc, &found) : write_values(j, path, format, coc);
-    return status ? status : report(j, o, &found);
+    return status ? status : report(made, j, o, &found);
 }
 
-int command_coc(const options *o) {
+static int coc_frame(const options *o, session *s, double start, frame_report *made) {
+    (void)start;
     job j;
-    session s = {0};
     io_format format;
     int status = output_check(OPT_OUTPUT, option_text(o, OPT_OUTPUT), &format);
-    if (status == 0) status = session_open(&s, o);
     if (status == 0) status = job_open(&j, o, NULL);
-    if (status) {
-        session_close(&s);
-        return status;
-    }
+    if (status) return status;
     float *coc = malloc((size_t)j.frame.color.width * (size_t)j.frame.color.height * sizeof(float));
     if (!coc)
         status = fail("%s: out of memory for %dx%d pixels", o->file[0], j.frame.color.width, j.frame.color.height);
-    if (status == 0) status = work(&j, o, &s, format, coc);
+    if (status == 0) status = work(&j, o, s, format, coc, made);
     free(coc);
-    session_close(&s);
     job_close(&j);
     return status;
+}
+
+int command_coc(const options *o, double start) {
+    return frame_run(o, coc_frame, start);
 }

@@ -9,7 +9,7 @@
 
 /* `start`: when the process began, in the time of now_ms(). */
 int command_render(const options *o, double start);
-int command_coc(const options *o);
+int command_coc(const options *o, double start);
 int command_info(const options *o);
 int command_compare(const options *o);
 int command_bench(const options *o);

@@ -206,6 +206,16 @@ int iris_read(iris_input *in, const char *text, const io_options *reading) {
     return status;
 }
 
+char *iris_image(const char *text) {
+    ddof_iris unused = {0};
+    parser p = {.iris = &unused};
+    if (text && read_list(&p, text)) {
+        free(p.image);
+        p.image = NULL;
+    }
+    return p.image;
+}
+
 void iris_close(iris_input *in) {
     free(in->values);
     *in = (iris_input){0};

@@ -16,6 +16,8 @@ typedef struct iris_input {
 /* Reads the list, NULL for an even disc, and its picture. Returns 0 or an exit code; iris_close() is wanted either way.
  */
 int iris_read(iris_input *in, const char *text, const io_options *reading);
+/* FILE[:CHANNEL] of the picture that a list names, to be freed; NULL: none, or there is something wrong with the list. */
+char *iris_image(const char *text);
 void iris_close(iris_input *in);
 
 #endif

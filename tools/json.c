@@ -52,11 +52,19 @@ void json_text(cJSON *object, const char *key, const char *text) {
     cJSON_AddItemToObject(object, key, json_text_item(text));
 }
 
-int json_finish(cJSON *object) {
-    char *text = object ? cJSON_Print(object) : NULL;
+static int print_object(cJSON *object, bool one_line) {
+    char *text = !object ? NULL : one_line ? cJSON_PrintUnformatted(object) : cJSON_Print(object);
     cJSON_Delete(object);
     if (!text) return fail("--json: out of memory");
     puts(text);
     cJSON_free(text);
     return finish_output();
+}
+
+int json_finish(cJSON *object) {
+    return print_object(object, false);
+}
+
+int json_line(cJSON *object) {
+    return print_object(object, true);
 }

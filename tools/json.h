@@ -17,5 +17,7 @@ cJSON *json_text_item(const char *text);
 
 /* Prints and frees the object; returns 0 or an exit code. */
 int json_finish(cJSON *object);
+/* The same in one line, at once: one of several objects. */
+int json_line(cJSON *object);
 
 #endif

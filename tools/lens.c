@@ -139,8 +139,12 @@ int lens_settings(ddof_settings *settings, const options *o, const camera *file,
     return focus_settings(lens, o, file);
 }
 
+bool method_none(const options *o) {
+    return option_number(o, OPT_METHOD, DDOF_METHOD_DIFFUSION) > DDOF_METHOD_SCATTER; /* the last word */
+}
+
 ddof_method method_of_options(const options *o) {
-    return (ddof_method)option_number(o, OPT_METHOD, DDOF_METHOD_DIFFUSION);
+    return method_none(o) ? DDOF_METHOD_DIFFUSION : (ddof_method)option_number(o, OPT_METHOD, DDOF_METHOD_DIFFUSION);
 }
 
 /* Only diffusion has a kernel, and a system to solve. */

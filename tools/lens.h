@@ -20,7 +20,10 @@ int lens_settings(ddof_settings *settings, const options *o, const camera *file,
 /* Options of the method that exclude each other. Returns 0 or an exit code. */
 int method_check_options(const options *o);
 
-/* What --method says. */
+/* "--method none": pictures are read and written again, and nothing is blurred. */
+bool method_none(const options *o);
+
+/* What --method says; what "none" would have been. */
 ddof_method method_of_options(const options *o);
 
 /* Method, kernel, quality, conductance, substeps, layers, and how the GPU backends solve. */

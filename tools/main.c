@@ -15,7 +15,7 @@ static int run(const options *o, double start) {
     case COMMAND_RENDER:
         return command_render(o, start);
     case COMMAND_COC:
-        return command_coc(o);
+        return command_coc(o, start);
     case COMMAND_INFO:
         return command_info(o);
     case COMMAND_COMPARE:

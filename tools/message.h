@@ -22,8 +22,19 @@ int fail_usage(const char *format, ...) __attribute__((format(printf, 1, 2))); /
 void note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void message_quiet(bool quiet);
 
+/* What a thread has said, kept instead of printed: for frames that are worked on side by side. */
+enum { MOST_NOTES = 8, MESSAGE_SIZE = 1024 };
+typedef struct message_log {
+    char error[MESSAGE_SIZE]; /* the first; "" when there was none */
+    char note[MOST_NOTES][MESSAGE_SIZE];
+    int notes;
+} message_log;
+/* From now on this thread's lines go there; NULL: to standard error again. */
+void message_keep(message_log *log);
+
 /* Progress in one line that is overwritten; silent unless standard error is a terminal. */
 void progress_show(double done);
+void progress_text(const char *text);
 void progress_clear(void);
 
 /* Flushes standard output and says so when it could not be written: a result that is lost must not look like success.

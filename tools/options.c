@@ -263,7 +263,9 @@ static int read_option(reader *in, int id, const char *attached) {
 static int read_file_name(reader *in, const char *name) {
     const command_spec *command = &command_table[in->parsed->command];
     if (in->files == command->files)
-        return fail_usage("%s: one argument too many; usage: ddof %s %s", name, command->name, command->arguments);
+        return fail_usage("%s: one argument too many%s; usage: ddof %s %s", name,
+                          command->writes && command->files == 1 ? " (several frames: one pattern, like shot.####.exr)" : "",
+                          command->name, command->arguments);
     if (!*name) return fail_usage("'': an empty file name; usage: ddof %s %s", command->name, command->arguments);
     in->parsed->file[in->files++] = name;
     return 0;
@@ -291,7 +293,7 @@ static int read_word(reader *in, bool *options_end) {
 }
 
 int options_parse(options *parsed, command_id command, int count, char *const *argument) {
-    *parsed = (options){.command = command};
+    *parsed = (options){.command = command, .frame = -1};
     reader in = {parsed, count, 0, argument, 0};
     bool options_end = false;
     while (in.next < count) {

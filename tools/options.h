@@ -22,6 +22,10 @@ typedef enum command_id {
 
 typedef enum option_id {
     OPT_OUTPUT,
+    OPT_FRAMES,
+    OPT_RESUME,
+    OPT_KEEP_GOING,
+    OPT_IN_FLIGHT,
     OPT_LAYER,
     OPT_DEPTH,
     OPT_DEPTH_KIND,
@@ -133,6 +137,7 @@ typedef struct option_value {
 typedef struct options {
     command_id command;
     const char *file[2];
+    int frame; /* of a sequence; -1: the command works on one picture */
     option_value value[OPT_COUNT];
 } options;
 

@@ -22,6 +22,14 @@ enum {
 const option_spec option_table[OPT_COUNT] = {
     [OPT_OUTPUT] = {"output", 'o', KIND_TEXT, "FILE", "out.exr",
         "the picture to write: .exr .png .tif .tiff .pfm; compare: of the difference, .png .exr", R | C | M, 0, 0, 0, NULL},
+    [OPT_FRAMES] = {"frames", 0, KIND_TEXT, "A-B[xSTEP]", "1001-1240",
+        "frames of a sequence: IN, --output and others have #### or %04d for the number (default: all that IN has)", R | C, 0, 0, 0, NULL},
+    [OPT_RESUME] = {"resume", 0, KIND_FLAG, NULL, NULL,
+        "leave out frames whose output is complete and was made of the same files with the same settings", R | C, 0, 0, 0, NULL},
+    [OPT_KEEP_GOING] = {"keep-going", 'k', KIND_FLAG, NULL, NULL,
+        "go on with other frames when one fails", R | C, 0, 0, 0, NULL},
+    [OPT_IN_FLIGHT] = {"in-flight", 0, KIND_INTEGER, "N", "2",
+        "frames of a sequence at work at a time, 1 to 64: more keep more threads busy and take more memory (default 3)", R | C, 1, 64, false, NULL},
     [OPT_LAYER] = {"layer", 0, KIND_TEXT, "NAME", "beauty",
         "colour layer or part (default: R G B A, then the first layer that has them)", R | C | I | M, 0, 0, 0, NULL},
 
@@ -100,8 +108,9 @@ const option_spec option_table[OPT_COUNT] = {
         "--table: time the float64 reference too, which is slow", B, 0, 0, 0, NULL},
 
     [OPT_METHOD] = {"method", 0, KIND_CHOICE, "METHOD", "hexagon",
-        "diffusion|gaussian|hexagon|scatter: how the picture is blurred, the last three for comparison (default diffusion)",
-        R | B, 0, 0, 0, "diffusion|gaussian|hexagon|scatter"},
+        "diffusion|gaussian|hexagon|scatter: how the picture is blurred, the last three for comparison; none: read and write only "
+        "(default diffusion)",
+        R | B, 0, 0, 0, "diffusion|gaussian|hexagon|scatter|none"},
     [OPT_KERNEL] = {"kernel", 0, KIND_CHOICE, "KERNEL", "disc",
         "heat|disc: what a point becomes, a bell or the even disc that a lens makes (default heat)", R | B, 0, 0, 0, "heat|disc"},
     [OPT_QUALITY] = {"quality", 0, KIND_CHOICE, "QUALITY", "best",

@@ -7,6 +7,7 @@
 
 #include "bokeh.h"
 #include "commands.h"
+#include "frame.h"
 #include "job.h"
 #include "json.h"
 #include "message.h"
@@ -65,28 +66,28 @@ static int preview_end(io_picture *preview, const job *j, const options *o, timi
 
 /* ------------------------------------------------------------------------- report */
 
-static void report_human(const job *j, const options *o, const session *s, const report *r, double total) {
+static void report_human(FILE *out, const job *j, const options *o, const session *s, const report *r, double total) {
     char lens[128] = "CoC from --coc", range[64] = "", extra[96] = "";
     if (!j->frame.coc.channels)
         lens_describe(lens, sizeof lens, &j->settings, r->stats.focus_distance, j->frame.picture_width);
     if (r->has_range) snprintf(range, sizeof range, ", CoC %.1f to %.1f px", (double)r->coc_low, (double)r->coc_high);
     if (*j->file.entry && !option_given(o, OPT_FSTOP)) snprintf(extra, sizeof extra, " (%.80s)", j->file.entry);
-    printf("%s: %dx%d, %s%s%s\n", option_text(o, OPT_OUTPUT), j->frame.color.width, j->frame.color.height, lens, extra,
+    fprintf(out, "%s: %dx%d, %s%s%s\n", option_text(o, OPT_OUTPUT), j->frame.color.width, j->frame.color.height, lens, extra,
            range);
-    printf("solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
+    fprintf(out, "solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
            r->stats.device, r->stats.threads, r->stats.threads == 1 ? "" : "s", j->decode_ms, r->time.encode, total);
-    session_print_gpu(s, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
+    session_print_gpu(out, s, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
     if (j->settings.bokeh == DDOF_BOKEH_HIGHLIGHTS)
-        printf("bokeh: %lld highlight pixel%s drawn, iris %s\n", (long long)r->stats.sprites, r->stats.sprites == 1 ? "" : "s",
+        fprintf(out, "bokeh: %lld highlight pixel%s drawn, iris %s\n", (long long)r->stats.sprites, r->stats.sprites == 1 ? "" : "s",
                bokeh_iris_text(o));
-    if (j->settings.bokeh == DDOF_BOKEH_FULL) printf("bokeh: all pixels out of focus drawn, iris %s\n", bokeh_iris_text(o));
-    if (option_given(o, OPT_PREVIEW)) printf("%s: before and after\n", option_text(o, OPT_PREVIEW));
+    if (j->settings.bokeh == DDOF_BOKEH_FULL) fprintf(out, "bokeh: all pixels out of focus drawn, iris %s\n", bokeh_iris_text(o));
+    if (option_given(o, OPT_PREVIEW)) fprintf(out, "%s: before and after\n", option_text(o, OPT_PREVIEW));
 }
 
 static void add_method(const job *j, const options *o, const ddof_stats *stats, cJSON *object) {
     const ddof_settings *settings = &j->settings;
     const bool diffusion = bokeh_method(settings) == DDOF_METHOD_DIFFUSION, disc = settings->kernel == DDOF_KERNEL_DISC;
-    json_text(object, "method", method_name(bokeh_method(settings)));
+    json_text(object, "method", method_none(o) ? "none" : method_name(bokeh_method(settings)));
     if (diffusion) json_text(object, "kernel", kernel_name(settings->kernel));
     if (diffusion && disc) json_text(object, "quality", quality_name(settings->quality));
     json_text(object, "bokeh", bokeh_name(settings->bokeh));
@@ -99,7 +100,7 @@ static void add_method(const job *j, const options *o, const ddof_stats *stats, 
     json_integer(object, "sprites_large", (double)stats->sprites_large);
 }
 
-static int report_json(const job *j, const options *o, const session *s, const report *r, double total) {
+static cJSON *report_json(const job *j, const options *o, const session *s, const report *r, double total) {
     cJSON *object = cJSON_CreateObject();
     json_text(object, "input", o->file[0]);
     json_text(object, "output", option_text(o, OPT_OUTPUT));
@@ -125,10 +126,28 @@ static int report_json(const job *j, const options *o, const session *s, const r
     json_integer(object, "scratch_bytes", (double)r->stats.scratch_bytes);
     json_integer(object, "peak_rss_bytes", (double)peak_rss_bytes());
     session_add_gpu(s, object, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
-    return json_finish(object);
+    return object;
+}
+
+static int report_work(frame_report *made, const job *j, const options *o, const session *s, const report *r, double total) {
+    if (option_given(o, OPT_JSON)) {
+        made->object = report_json(j, o, s, r, total);
+        return made->object ? 0 : fail("--json: out of memory");
+    }
+    if (option_given(o, OPT_QUIET)) return 0;
+    size_t size;
+    FILE *out = open_memstream(&made->text, &size);
+    if (!out) return fail("%s: out of memory for its report", o->file[0]);
+    report_human(out, j, o, s, r, total);
+    return fclose(out) == 0 ? 0 : fail("%s: out of memory for its report", o->file[0]);
 }
 
 /* ------------------------------------------------------------------------- work */
+
+static void say_modified(const job *j) {
+    for (int i = 0; i < j->color.count; i++)
+        io_channel_modified(job_color(j, i));
+}
 
 static int solve(job *j, const options *o, session *s, report *r) {
     ddof_frame frame = j->frame;
@@ -146,9 +165,16 @@ static int solve(job *j, const options *o, session *s, report *r) {
     bokeh_note(&r->stats, o->file[0]);
     /* of sprites the library warns in its own words, of pixels after that */
     if (r->stats.nonfinite_pixels > 0) session_note(s, o->file[0]);
-    for (int i = 0; i < j->color.count; i++)
-        io_channel_modified(job_color(j, i));
+    say_modified(j);
     return 0;
+}
+
+/* "--method none" */
+static int leave_sharp(const job *j, report *r) {
+    signals_hold();
+    r->stats.device = "none";
+    say_modified(j);
+    return interrupted() ? fail_interrupted() : 0;
 }
 
 static int encode(const job *j, const options *o, io_format format, timing *time) {
@@ -168,8 +194,8 @@ static int work(job *j, const options *o, session *s, io_format format, report *
     const double begin = now_ms();
     int status = preview_begin(&preview, j, o);
     r->time.preview = now_ms() - begin;
-    if (status == 0) status = solve(j, o, s, r);
-    if (status == 0 && (option_given(o, OPT_JSON) || !option_given(o, OPT_QUIET)))
+    if (status == 0) status = method_none(o) ? leave_sharp(j, r) : solve(j, o, s, r);
+    if (status == 0 && !method_none(o) && (option_given(o, OPT_JSON) || !option_given(o, OPT_QUIET)))
         r->has_range = job_coc_range(j, s, r->stats.focus_distance, &r->coc_low, &r->coc_high);
     if (status == 0) status = encode(j, o, format, &r->time);
     if (status == 0) status = preview_end(preview, j, o, &r->time);
@@ -190,30 +216,20 @@ static int check_outputs(const options *o, io_format *format) {
     return status;
 }
 
-int command_render(const options *o, double start) {
+static int render_frame(const options *o, session *s, double start, frame_report *made) {
     job j;
-    session s = {0};
     report r = {0};
     io_format format;
     int status = check_outputs(o, &format);
-    if (status) return status;
-    const double begin = now_ms();
-    status = session_open(&s, o); /* what cannot be had is said before minutes of decoding */
-    r.time.prepare = now_ms() - begin;
+    if (status == 0) r.time.prepare = now_ms() - start;
     if (status == 0) status = job_open(&j, o, &format);
-    if (status) {
-        session_close(&s);
-        return status;
-    }
-    status = work(&j, o, &s, format, &r);
-    const double total = now_ms() - start;
-    if (status == 0 && option_given(o, OPT_JSON))
-        status = report_json(&j, o, &s, &r, total);
-    else if (status == 0 && !option_given(o, OPT_QUIET)) {
-        report_human(&j, o, &s, &r, total);
-        status = finish_output();
-    }
-    session_close(&s);
+    if (status) return status;
+    status = work(&j, o, s, format, &r);
+    if (status == 0) status = report_work(made, &j, o, s, &r, now_ms() - start);
     job_close(&j);
     return status;
+}
+
+int command_render(const options *o, double start) {
+    return frame_run(o, render_frame, start);
 }

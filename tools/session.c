@@ -98,9 +98,9 @@ void session_add_gpu(const session *s, cJSON *object, const ddof_settings *setti
     json_number(object, "surface_bytes_per_pixel", (double)stats->surface_bytes / pixels);
 }
 
-void session_print_gpu(const session *s, const ddof_settings *settings, const ddof_stats *stats, double pixels) {
+void session_print_gpu(FILE *out, const session *s, const ddof_settings *settings, const ddof_stats *stats, double pixels) {
     if (!on_gpu(s)) return;
-    printf("%s: %s%s, %s, %.1f bytes of surfaces per pixel\n", backend_name(s->backend),
+    fprintf(out, "%s: %s%s, %s, %.1f bytes of surfaces per pixel\n", backend_name(s->backend),
            solver_name(s->backend, settings->solver), settings->shared_chain ? ", shared chain" : "",
            surface_name(settings->surface), (double)stats->surface_bytes / pixels);
 }

@@ -7,6 +7,7 @@
 
 #include <ddof/ddof.h>
 #include <stdbool.h>
+#include <stdio.h>
 
 #include "backend.h"
 #include "json.h"
@@ -33,7 +34,7 @@ int session_fail(const session *s, ddof_status status, const char *about);
 /* What the GPU backends add to a report, nothing for the others: solver, surfaces, bytes. As members, as a line. */
 void session_add_gpu(const session *s, cJSON *object, const ddof_settings *settings, const ddof_stats *stats,
                      double pixels);
-void session_print_gpu(const session *s, const ddof_settings *settings, const ddof_stats *stats, double pixels);
+void session_print_gpu(FILE *out, const session *s, const ddof_settings *settings, const ddof_stats *stats, double pixels);
 
 /* Prints the library's warning, if there was one. */
 void session_note(session *s, const char *about);
