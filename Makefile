@@ -10,6 +10,9 @@ demo:
 test:
 	@sh scripts/test.sh release asan tsan arm64
 
+fuzz-%:
+	@sh scripts/fuzz.sh $*
+
 test-%:
 	@sh scripts/test.sh $*
 

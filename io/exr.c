@@ -4,11 +4,8 @@
 /* The EXR format in the table of formats. The work: exr_header.c, exr_layout.c, exr_codec.c, exr_read.c, exr_write.c.
  */
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "exr.h"
 
@@ -19,7 +16,6 @@ static bool exr_matches(const unsigned char *head, size_t size) {
 static void exr_close(io_picture *picture) {
     io_exr_source *source = io_exr_source_of(picture);
     if (!source) return;
-    if (source->file >= 0) close(source->file);
     io_exr_free_parts(source);
     free(source->header);
     free(source);
@@ -42,11 +38,8 @@ static io_exr_source *new_source(io_picture *picture, const io_options *options,
 static int read_version(const io_picture *picture, io_exr_source *source, io_error *error) {
     enum { KNOWN = IO_EXR_FLAG_TILED | IO_EXR_FLAG_LONG_NAMES | IO_EXR_FLAG_DEEP | IO_EXR_FLAG_MULTIPART };
     unsigned char head[8];
-    struct stat status;
-    source->file = open(picture->path, O_RDONLY | O_CLOEXEC);
-    if (source->file < 0 || fstat(source->file, &status) != 0)
-        return io_fail(error, "%s: cannot be opened: %s", picture->path, strerror(errno));
-    source->length = (uint64_t)status.st_size;
+    source->file = picture->file;
+    source->length = (uint64_t)picture->stamp.size;
     if (!io_exr_pread(source->file, head, sizeof head, 0))
         return io_fail(error, "%s: ends within its header; it is cut off, copy or write it again", picture->path);
     source->version = io_get32(head + 4);

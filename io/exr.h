@@ -77,7 +77,7 @@ typedef struct io_exr_part {
 
 /* picture->source of an EXR picture. */
 typedef struct io_exr_source {
-    int file; /* -1: made by io_create */
+    int file; /* the picture's */
     uint64_t length;
     uint32_t version; /* with flags */
     unsigned char *header;

@@ -5,12 +5,10 @@
  * change. A part in which nothing was changed is copied chunk by chunk, whatever it holds: deep samples, levels, lossy
  * pixels stay as they are. Others are compressed on several threads and written in the order of the source. */
 #include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "exr.h"
 
@@ -362,11 +360,9 @@ int io_exr_write(const io_picture *picture, const char *temporary, const char *p
     for (int i = 0; result == 0 && i < picture->part_count; i++)
         result = plan_part(&o, i);
     if (result == 0) {
-        int file = open(temporary, O_WRONLY | O_TRUNC | O_CLOEXEC);
-        o.file = file >= 0 ? fdopen(file, "wb") : NULL;
+        o.file = io_open_temporary_stream(temporary);
         if (!o.file) {
             o.code = errno;
-            if (file >= 0) close(file);
         } else {
             setvbuf(o.file, NULL, _IOFBF, 1 << 18);
             result = write_parts(&o);

@@ -34,8 +34,21 @@ const io_handler *io_handler_of(io_format format);
  * hostile files) become '?', so that it is one line. error may be NULL. */
 int io_fail(io_error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* The picture's file from its beginning, a descriptor or stream to be closed; they share one place in the file, so one is
+ * used at a time. -1 or NULL after saying why. */
+int io_reopen(const io_picture *picture, io_error *error);
+FILE *io_reopen_stream(const io_picture *picture, io_error *error);
+/* `result` of what was read from the picture's file; -1 and the line about it when the file was written to since it was
+ * opened, whatever else seemed to be wrong. */
+int io_check_unchanged(const io_picture *picture, int result, io_error *error);
+
 /* The line about a failure (errno) to write `path`: full disk, permissions, missing folder... Returns -1. */
 int io_fail_write(io_error *error, const char *path, int code);
+
+/* The temporary file that a handler is to write, empty at first, for reading and writing; -1: see errno. It is there: one
+ * that was put in its place, or a link, is not followed. The stream is closed by the caller. */
+int io_open_temporary(const char *name);
+FILE *io_open_temporary_stream(const char *name);
 
 /* A part with channels, appended to the picture; NULL when out of memory. Names are copied. */
 io_part *io_add_part(io_picture *picture, const char *name, const char *view, io_box data, io_box display);

@@ -119,6 +119,17 @@ static int make_temporary(destination *d, io_error *error) {
     return io_fail_write(error, d->shown, errno);
 }
 
+int io_open_temporary(const char *name) {
+    return open(name, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+}
+
+FILE *io_open_temporary_stream(const char *name) {
+    int file = io_open_temporary(name);
+    FILE *stream = file >= 0 ? fdopen(file, "r+b") : NULL;
+    if (file >= 0 && !stream) close(file);
+    return stream;
+}
+
 /* The data reach the disk before the name does: a crash leaves the old file or the new one. */
 static int move_into_place(destination *d, io_error *error) {
     int file = open(d->temporary, O_RDONLY | O_CLOEXEC);
@@ -172,6 +183,7 @@ int io_write(const io_picture *picture, const char *path, const io_options *opti
     if (make_temporary(&d, error) != 0) return -1;
     int result =
         io_handler_of(picture->format)->write(picture, d.temporary, path, options ? options : &defaults, note, error);
+    result = io_check_unchanged(picture, result, error); /* parts are copied from it */
     if (result == 0) result = d.regular ? move_into_place(&d, error) : pour(&d, error);
     if (d.temporary[0]) unlink(d.temporary);
     return result;

@@ -119,8 +119,8 @@ static int read_header(io_picture *picture, FILE *file, io_error *error) {
 
 static int open_pfm(io_picture *picture, io_meaning meaning, const io_options *options, io_error *error) {
     (void)meaning; /* float files hold plain numbers either way */
-    FILE *file = fopen(picture->path, "rb");
-    if (file == NULL) return io_fail(error, "%s: cannot be opened: %s", picture->path, strerror(errno));
+    FILE *file = io_reopen_stream(picture, error);
+    if (file == NULL) return -1;
     picture->source = calloc(1, sizeof *picture->source);
     int status = picture->source == NULL ? io_fail(error, "%s: not enough memory", picture->path) : 0;
     if (status == 0) {
@@ -178,8 +178,8 @@ static int read_pfm(io_picture *picture, int part_index, const char *const *name
         wanted[c] = any = true;
     }
     if (!any) return 0;
-    FILE *file = fopen(picture->path, "rb");
-    if (file == NULL) return io_fail(error, "%s: cannot be opened: %s", picture->path, strerror(errno));
+    FILE *file = io_reopen_stream(picture, error);
+    if (file == NULL) return -1;
     unsigned char *row = malloc((size_t)part->data.width * (size_t)part->channel_count * 4);
     int status = row == NULL ? io_fail(error, "%s: not enough memory", picture->path)
                              : read_rows(picture, file, row, wanted, error);
@@ -235,7 +235,7 @@ static int write_pfm(const io_picture *picture, const char *temporary, const cha
     const int channels = io_plain_channels(&picture->part[0], channel);
     if (channels == 0 || channels == 2)
         return io_fail(error, "%s: PFM holds the channels Y, R G B or R G B A; write an EXR for others", path);
-    FILE *file = fopen(temporary, "wb");
+    FILE *file = io_open_temporary_stream(temporary);
     if (file == NULL) return io_fail(error, "%s: cannot be written: %s", path, strerror(errno));
     const bool big_endian = picture->source->big_endian;
     int status = fprintf(file, "%s\n%d %d\n%s\n",

@@ -154,6 +154,7 @@ void io_close(io_picture **picture) {
     io_picture *p = *picture;
     const io_handler *handler = io_handler_of(p->format);
     if (handler && p->source) handler->close(p);
+    if (p->file >= 0) close(p->file);
     for (int i = 0; i < p->part_count; i++) {
         io_part *part = &p->part[i];
         for (int c = 0; c < part->channel_count; c++) {
@@ -174,6 +175,7 @@ static io_picture *new_picture(const char *path, io_format format, io_error *err
     io_picture *picture = calloc(1, sizeof *picture);
     if (picture && (picture->path = strdup(path))) {
         picture->format = format;
+        picture->file = -1;
         return picture;
     }
     free(picture);
@@ -181,23 +183,67 @@ static io_picture *new_picture(const char *path, io_format format, io_error *err
     return NULL;
 }
 
+/* ------------------------------------------------------------------------- the file */
+
+int io_reopen(const io_picture *picture, io_error *error) {
+    int file = fcntl(picture->file, F_DUPFD_CLOEXEC, 0);
+    if (file >= 0 && lseek(file, 0, SEEK_SET) == 0) return file;
+    io_fail(error, "%s: cannot be opened: %s", picture->path, strerror(errno));
+    if (file >= 0) close(file);
+    return -1;
+}
+
+FILE *io_reopen_stream(const io_picture *picture, io_error *error) {
+    int file = io_reopen(picture, error);
+    FILE *stream = file >= 0 ? fdopen(file, "rb") : NULL;
+    if (file >= 0 && !stream) {
+        io_fail(error, "%s: cannot be opened: %s", picture->path, strerror(errno));
+        close(file);
+    }
+    return stream;
+}
+
+static bool take_stamp(int file, io_stamp *stamp) {
+    struct stat status;
+    if (fstat(file, &status) != 0) return false;
+    *stamp = (io_stamp){status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+    return true;
+}
+
+int io_check_unchanged(const io_picture *picture, int result, io_error *error) {
+    io_stamp now;
+    if (picture->file < 0) return result;
+    if (!take_stamp(picture->file, &now))
+        return io_fail(error, "%s: cannot be read: %s", picture->path, strerror(errno));
+    const io_stamp *then = &picture->stamp;
+    if (now.size == then->size && now.seconds == then->seconds && now.nanoseconds == then->nanoseconds) return result;
+    return io_fail(error, "%s: changed while it was read; render it again", picture->path);
+}
+
 /* ------------------------------------------------------------------------- reading */
 
-static const io_handler *recognise(const char *path, io_error *error) {
-    unsigned char head[HEAD];
+/* Asked before it is opened: to open a pipe is to wait for someone at its other end. And after that, since the name may
+ * mean something else by then. */
+static int open_regular(const char *path, io_error *error) {
     struct stat status;
-    ssize_t size = 0;
-    /* Asked before it is opened: to open a pipe is to wait for someone at its other end. */
-    int file = stat(path, &status) != 0 ? -1 : S_ISREG(status.st_mode) ? open(path, O_RDONLY | O_CLOEXEC) : -2;
-    if (file == -2) {
-        io_fail(error, "%s: is %s; give a picture file", path,
-                S_ISDIR(status.st_mode) ? "a folder" : "no regular file (pictures are not read from pipes)");
+    if (stat(path, &status) == 0) {
+        int file = S_ISREG(status.st_mode) ? open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC) : -2;
+        if (file >= 0 && fstat(file, &status) == 0 && S_ISREG(status.st_mode)) return file;
+        if (file >= 0) close(file);
+        if (file != -1)
+            return io_fail(error, "%s: is %s; give a picture file", path,
+                           S_ISDIR(status.st_mode) ? "a folder" : "no regular file (pictures are not read from pipes)");
+    }
+    return io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
+}
+
+static const io_handler *recognise(int file, const char *path, io_error *error) {
+    unsigned char head[HEAD];
+    ssize_t size = pread(file, head, sizeof head, 0);
+    if (size < 0) {
+        io_fail(error, "%s: cannot be read: %s", path, strerror(errno));
         return NULL;
     }
-    if (file < 0 || (size = read(file, head, sizeof head)) < 0)
-        io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
-    if (file >= 0) close(file);
-    if (file < 0 || size < 0) return NULL;
     for (int i = 0; i < HANDLERS; i++)
         if (handlers[i]->matches(head, (size_t)size)) return handlers[i];
     io_fail(error,
@@ -210,11 +256,18 @@ static const io_handler *recognise(const char *path, io_error *error) {
 int io_open(io_picture **picture, const char *path, io_meaning meaning, const io_options *options, io_error *error) {
     static const io_options defaults;
     *picture = NULL;
-    const io_handler *handler = recognise(path, error);
-    if (!handler) return -1;
-    io_picture *opened = new_picture(path, handler->format, error);
-    if (!opened) return -1;
-    if (handler->open(opened, meaning, options ? options : &defaults, error) != 0) {
+    int file = open_regular(path, error);
+    if (file < 0) return -1;
+    const io_handler *handler = recognise(file, path, error);
+    io_picture *opened = handler ? new_picture(path, handler->format, error) : NULL;
+    if (!opened) {
+        close(file);
+        return -1;
+    }
+    opened->file = file; /* io_close's from here on */
+    int result = take_stamp(file, &opened->stamp) ? handler->open(opened, meaning, options ? options : &defaults, error)
+                                                  : io_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+    if (io_check_unchanged(opened, result, error) != 0) {
         io_close(&opened);
         return -1;
     }
@@ -223,7 +276,8 @@ int io_open(io_picture **picture, const char *path, io_meaning meaning, const io
 }
 
 int io_read_channels(io_picture *picture, int part, const char *const *names, int name_count, io_error *error) {
-    return io_handler_of(picture->format)->read(picture, part, names, name_count, error);
+    int result = io_handler_of(picture->format)->read(picture, part, names, name_count, error);
+    return io_check_unchanged(picture, result, error);
 }
 
 int io_read(io_picture *picture, io_error *error) {

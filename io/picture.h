@@ -55,9 +55,16 @@ typedef struct io_part {
     io_channel *channel; /* in the order of the file */
 } io_part;
 
+/* What tells that a file was written to: its size, and when that was last done. */
+typedef struct io_stamp {
+    int64_t size, seconds, nanoseconds;
+} io_stamp;
+
 typedef struct io_picture {
     char *path;
     io_format format;
+    int file;       /* what it was opened from, held open; -1: made by io_create */
+    io_stamp stamp; /* of that file, when it was opened */
     int part_count;
     io_part *part;
     struct io_source *source; /* what the format keeps: header attributes, text chunks, raw tags */
@@ -81,7 +88,8 @@ int io_thread_count(int threads);
 int io_open(io_picture **picture, const char *path, io_meaning meaning, const io_options *options, io_error *error);
 
 /* Reads the pixels of all parts (those that are not deep; of those with levels, the largest). Truncated or damaged
- * pixels are an error that says which rows. */
+ * pixels are an error that says which rows. So is a file that was written to since io_open, here and in io_write. One
+ * that was replaced under its name is no such file: what was opened is read to its end. */
 int io_read(io_picture *picture, io_error *error);
 
 /* Reads only the named channels of one part (names NULL: all channels of that part). Channels read before are left

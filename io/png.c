@@ -67,9 +67,10 @@ static void read_header(reader *r) {
     png_read_info(r->png, r->info);
 }
 
-static int start(reader *r, const char *path, io_error *error) {
-    *r = (reader){.file = fopen(path, "rb")};
-    if (r->file == NULL) return io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
+static int start(reader *r, const io_picture *picture, io_error *error) {
+    const char *path = picture->path;
+    *r = (reader){.file = io_reopen_stream(picture, error)};
+    if (r->file == NULL) return -1;
     int64_t length = io_file_length(r->file);
     r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r, on_error, on_warning);
     if (r->png != NULL) r->info = png_create_info_struct(r->png);
@@ -205,7 +206,7 @@ static int fill(io_picture *picture, reader *r, io_meaning meaning, io_error *er
 
 static int open_png(io_picture *picture, io_meaning meaning, const io_options *options, io_error *error) {
     reader r;
-    int status = start(&r, picture->path, error);
+    int status = start(&r, picture, error);
     if (status == 0 && (picture->source = calloc(1, sizeof *picture->source)) == NULL)
         status = io_fail(error, "%s: not enough memory", picture->path);
     if (status == 0) {
@@ -304,7 +305,7 @@ static int read_png(io_picture *picture, int part_index, const char *const *name
     io_part *part = &picture->part[part_index];
     io_source *source = picture->source;
     reader r;
-    int status = start(&r, picture->path, error), wanted = 0;
+    int status = start(&r, picture, error), wanted = 0;
     r.source = source;
     r.channel = part->channel;
     for (int c = 0; status == 0 && c < part->channel_count; c++) {

@@ -198,7 +198,7 @@ static int finish(writer *w, const char *path, io_error *error) {
 }
 
 static int write_file(writer *w, const char *temporary, const char *path, io_error *error) {
-    w->file = fopen(temporary, "wb");
+    w->file = io_open_temporary_stream(temporary);
     if (w->file == NULL) return io_fail(error, "%s: cannot be written: %s", path, strerror(errno));
     w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, w, on_error, on_warning);
     if (w->png != NULL) w->info = png_create_info_struct(w->png);

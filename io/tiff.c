@@ -254,8 +254,8 @@ static int get_metadata(const io_picture *picture, io_source *source, io_tiff_fi
     uint32_t bytes = 0;
     source->sub_images = TIFFGetField(file->tiff, TIFFTAG_SUBIFD, &count, &unused) != 0 && count > 0;
     source->layers = TIFFGetField(file->tiff, TIFFTAG_IMAGESOURCEDATA, &bytes, &unused) != 0;
-    io_ifd_file raw = {.file = fopen(path, "rb")};
-    if (raw.file == NULL) return io_fail(error, "%s: cannot be opened: %s", path, strerror(errno));
+    io_ifd_file raw = {.file = io_reopen_stream(picture, error)};
+    if (raw.file == NULL) return -1;
     uint64_t first;
     raw.length = source->file_bytes = (uint64_t)io_file_length(raw.file);
     int status =
@@ -296,8 +296,7 @@ static int add_part(io_picture *picture, const io_source *source, TIFF *tiff) {
 
 static int open_tiff(io_picture *picture, io_meaning meaning, const io_options *options, io_error *error) {
     io_tiff_file file;
-    /* m: no memory mapping; c: strips as they are in the file, to be written so again. */
-    int status = io_tiff_open_file(&file, picture->path, "rmc", picture->path, error);
+    int status = io_tiff_read_file(&file, picture, error);
     io_source *source = picture->source = calloc(1, sizeof *source);
     if (status == 0 && source == NULL) status = io_fail(error, "%s: not enough memory", picture->path);
     if (status == 0) {

@@ -4,7 +4,6 @@
 /* libtiff on a file of our own: its complaints are kept instead of printed, no memory is mapped (a file that shrinks
  * under a mapping ends the process), and every write that fails is remembered. */
 #include <errno.h>
-#include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -70,25 +69,35 @@ static int leave_open(thandle_t handle) {
     return 0;
 }
 
-int io_tiff_open_file(io_tiff_file *file, const char *name, const char *mode, const char *path, io_error *error) {
-    const bool writing = mode[0] == 'w';
-    *file =
-        (io_tiff_file){.descriptor = open(name, (writing ? O_RDWR | O_CREAT | O_TRUNC : O_RDONLY) | O_CLOEXEC, 0666)};
-    if (file->descriptor < 0)
-        return io_fail(error, "%s: cannot be %s: %s", path, writing ? "written" : "opened", strerror(errno));
+static int open_client(io_tiff_file *file, const char *mode, tmsize_t most, const char *path, io_error *error) {
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (options == NULL) return io_fail(error, "%s: not enough memory", path);
     TIFFOpenOptionsSetErrorHandlerExtR(options, on_error, file);
     TIFFOpenOptionsSetWarningHandlerExtR(options, on_warning, file);
-    /* No single block that libtiff allocates for tags or decoding comes near this in an honest file. */
-    if (!writing) TIFFOpenOptionsSetMaxSingleMemAlloc(options, (tmsize_t)((1u << 30) + 2 * length(file)));
+    TIFFOpenOptionsSetMaxSingleMemAlloc(options, most);
     file->tiff =
         TIFFClientOpenExt("TIFF", mode, file, read_bytes, write_bytes, seek, leave_open, length, NULL, NULL, options);
     TIFFOpenOptionsFree(options);
-    if (file->tiff != NULL) return 0;
-    const char *why = file->write_error != 0 ? strerror(file->write_error) : file->message.text;
-    if (writing) return io_fail(error, "%s: cannot be written: %s", path, why);
-    return io_fail(error, "%s: the TIFF header is damaged or cut off (%s); export the picture again", path, why);
+    return file->tiff != NULL ? 0 : -1;
+}
+
+int io_tiff_read_file(io_tiff_file *file, const io_picture *picture, io_error *error) {
+    *file = (io_tiff_file){.descriptor = io_reopen(picture, error)};
+    if (file->descriptor < 0) return -1;
+    /* m: no memory mapping; c: strips as they are in the file, to be written so again. No single block that libtiff
+     * allocates for tags or decoding comes near this size in an honest file. */
+    const tmsize_t most = (tmsize_t)((1u << 30) + 2 * length(file));
+    if (open_client(file, "rmc", most, picture->path, error) == 0) return 0;
+    return io_fail(error, "%s: the TIFF header is damaged or cut off (%s); export the picture again", picture->path,
+                   file->message.text);
+}
+
+int io_tiff_write_file(io_tiff_file *file, const char *temporary, const char *mode, const char *path, io_error *error) {
+    *file = (io_tiff_file){.descriptor = io_open_temporary(temporary)};
+    if (file->descriptor < 0) return io_fail_write(error, path, errno);
+    if (open_client(file, mode, 0, path, error) == 0) return 0;
+    return io_fail(error, "%s: cannot be written: %s", path,
+                   file->write_error != 0 ? strerror(file->write_error) : file->message.text);
 }
 
 int io_tiff_close_file(io_tiff_file *file) {

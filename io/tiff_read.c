@@ -206,7 +206,7 @@ int io_tiff_read(io_picture *picture, int part_index, const char *const *names, 
         r.wanted[c] = true;
         wanted++;
     }
-    if (status == 0 && wanted > 0) status = io_tiff_open_file(&r.file, picture->path, "rmc", picture->path, error);
+    if (status == 0 && wanted > 0) status = io_tiff_read_file(&r.file, picture, error);
     if (status == 0 && wanted > 0) status = prepare(&r, error);
     if (status == 0 && wanted > 0) status = read_blocks(&r, error);
     io_tiff_close_file(&r.file);

@@ -20,8 +20,10 @@ typedef struct io_tiff_file {
     io_error damage;  /* a decoder's warning that it gave pixels which are not all in the file */
 } io_tiff_file;
 
-/* mode as in TIFFOpen. `path` is for messages. Close it even when it failed. */
-int io_tiff_open_file(io_tiff_file *file, const char *name, const char *mode, const char *path, io_error *error);
+/* Close it even when it failed. */
+int io_tiff_read_file(io_tiff_file *file, const io_picture *picture, io_error *error);
+/* The temporary file, which is there; mode as in TIFFOpen. `path` is for messages. */
+int io_tiff_write_file(io_tiff_file *file, const char *temporary, const char *mode, const char *path, io_error *error);
 /* -1 when something could not be written; file->message then says why. */
 int io_tiff_close_file(io_tiff_file *file);
 

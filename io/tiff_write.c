@@ -331,10 +331,8 @@ static int append(const writer *w, const io_picture *picture, io_ifd_file *to, i
     free(merged.entry);
     io_ifd_free(&written);
     if (status < 0 || w->source->pages == 0) return status;
-    io_ifd_file from = {.file = fopen(picture->path, "rb")};
-    if (from.file == NULL)
-        return io_fail(error, "%s: its further pages cannot be read again from %s: %s", w->path, picture->path,
-                       strerror(errno));
+    io_ifd_file from = {.file = io_reopen_stream(picture, error)};
+    if (from.file == NULL) return -1;
     from.length = (uint64_t)io_file_length(from.file);
     status = copy_pages(w, &from, to, next_field, note, error);
     fclose(from.file);
@@ -345,7 +343,7 @@ static int add_metadata(const writer *w, const io_picture *picture, const char *
                         io_error *error) {
     const io_source *source = w->source;
     if (source->kept.count == 0 && source->pages == 0) return 0;
-    io_ifd_file to = {.file = fopen(temporary, "r+b")};
+    io_ifd_file to = {.file = io_open_temporary_stream(temporary)};
     if (to.file == NULL) return io_fail(error, "%s: cannot be written: %s", w->path, strerror(errno));
     to.length = (uint64_t)io_file_length(to.file);
     int status = append(w, picture, &to, note, error);
@@ -364,7 +362,7 @@ static int write_pixels(writer *w, const char *temporary, io_error *error) {
         (double)w->row_bytes * w->height * (source->separate ? w->channels : 1) * ((double)w->width / w->block_width);
     if (!source->created) strcat(mode, source->big_endian ? "b" : "l");
     if (source->big_tiff || bytes * 1.1 + (double)source->file_bytes > 4e9) strcat(mode, "8");
-    int status = io_tiff_open_file(&w->file, temporary, mode, w->path, error);
+    int status = io_tiff_write_file(&w->file, temporary, mode, w->path, error);
     if (status == 0) {
         set_fields(w);
         w->raw = malloc(w->plane_bytes * (size_t)(source->separate ? w->channels : 1));

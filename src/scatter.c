@@ -49,10 +49,9 @@ size_t scatter_take(scatter *s, void *base, int workers) {
     const size_t masks = (size_t)s->nodes * PLACES, cached = (size_t)s->mask[s->nodes];
     const size_t floats = cached + 2 * (size_t)s->reach[0][s->nodes - 1] + 1;
     const size_t head = line(sizeof *s->worker * (size_t)workers), one = line(floats * sizeof(float) + masks * sizeof(int));
-    char *at = (char *)base + head;
     s->worker = base;
-    for (int i = 0; i < workers && base; i++, at += one) {
-        float *mask = (float *)(void *)at;
+    for (int i = 0; i < workers && base; i++) {
+        float *mask = (float *)(void *)((char *)base + head + one * (size_t)i);
         s->worker[i] = (scatter_masks){mask, (int *)(void *)(mask + floats), mask + cached, 0};
         memset(s->worker[i].made, 0, masks * sizeof(int));
     }
