@@ -3,6 +3,9 @@
 
 /* io_write: nobody ever sees half a picture under the name of the output. It is written under another name in the same
  * folder, flushed to the disk and renamed. */
+#if defined(__linux__)
+#define _GNU_SOURCE /* O_TMPFILE */
+#endif
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -25,6 +28,8 @@ typedef struct destination {
     char path[PATH_MAX];      /* where symbolic links lead */
     char folder[PATH_MAX];    /* of `path`, with its slash; "" is the current one */
     char temporary[PATH_MAX]; /* "" when there is none */
+    int file;                 /* the temporary one, open */
+    bool nameless;            /* `temporary` is only this process's word for it */
     bool exists, regular;
     mode_t mode;
 } destination;
@@ -83,7 +88,7 @@ static int follow_links(destination *d, io_error *error) {
 
 static int resolve(destination *d, const char *path, io_error *error) {
     struct stat status;
-    *d = (destination){.shown = path};
+    *d = (destination){.shown = path, .file = -1};
     if (strlen(path) >= sizeof d->path) return io_fail_write(error, path, ENAMETOOLONG);
     strcpy(d->path, path);
     if (follow_links(d, error) != 0) return -1;
@@ -94,33 +99,68 @@ static int resolve(destination *d, const char *path, io_error *error) {
     return 0;
 }
 
-/* A new file next to the output, or in the temporary folder when the output is a device or a pipe. Not mkstemp, which
- * gives every file mode 600: the permissions are those any other program's file would have. */
-static int make_temporary(destination *d, io_error *error) {
+/* Another name in the folder each time; false: too long. */
+static bool next_name(const destination *d, char name[PATH_MAX]) {
     static atomic_uint serial;
+    const int length =
+        snprintf(name, PATH_MAX, "%s.ddof-%ld-%u.tmp", d->folder, (long)getpid(), atomic_fetch_add(&serial, 1));
+    errno = ENAMETOOLONG;
+    return length < PATH_MAX;
+}
+
+static mode_t new_mode(const destination *d) {
+    return d->regular ? 0666 : 0600;
+}
+
+/* A file that has no name until it is complete: a process that is killed leaves nothing behind. Where the file system
+ * has no such files, or /proc is not there, -1. */
+static int open_nameless(destination *d) {
+#if defined(O_TMPFILE)
+    const int file = open(d->folder[0] ? d->folder : ".", O_TMPFILE | O_RDWR | O_CLOEXEC, new_mode(d));
+    snprintf(d->temporary, sizeof d->temporary, "/proc/self/fd/%d", file);
+    if (file < 0 || access(d->temporary, R_OK | W_OK) == 0) return file;
+    close(file);
+#else
+    (void)d;
+#endif
+    return -1;
+}
+
+/* One with a name. Not mkstemp, which gives every file mode 600: the permissions are those any other program's file
+ * would have. */
+static int open_named(destination *d) {
+    for (int attempt = 0; attempt < 100 && next_name(d, d->temporary); attempt++) {
+        const int file = open(d->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, new_mode(d));
+        if (file >= 0 || errno != EEXIST) return file;
+    }
+    return -1;
+}
+
+/* A new file in the folder of the output, or in the temporary folder when the output is a device or a pipe. */
+static int make_temporary(destination *d, io_error *error) {
     const char *shared = getenv("TMPDIR");
     if (!d->regular) snprintf(d->folder, sizeof d->folder, "%s/", shared && shared[0] ? shared : "/tmp");
-    for (int attempt = 0; attempt < 100; attempt++) {
-        int length = snprintf(d->temporary, sizeof d->temporary, "%s.ddof-%ld-%u.tmp", d->folder, (long)getpid(),
-                              atomic_fetch_add(&serial, 1));
-        errno = ENAMETOOLONG;
-        int file = length < (int)sizeof d->temporary
-                       ? open(d->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, d->regular ? 0666 : 0600)
-                       : -1;
-        if (file >= 0) {
-            /* An existing output keeps its permissions; a file system without them is no reason to fail. */
-            if (d->exists && d->regular && fchmod(file, d->mode) != 0) errno = 0;
-            close(file);
-            return 0;
-        }
-        if (errno != EEXIST) break;
+    d->file = open_nameless(d);
+    d->nameless = d->file >= 0;
+    if (!d->nameless) d->file = open_named(d);
+    if (d->file < 0) {
+        d->temporary[0] = '\0';
+        return io_fail_write(error, d->shown, errno);
     }
+    /* An existing output keeps its permissions; a file system without them is no reason to fail. */
+    if (d->exists && d->regular && fchmod(d->file, d->mode) != 0) errno = 0;
+    return 0;
+}
+
+static void drop_temporary(destination *d) {
+    if (d->temporary[0] && !d->nameless) unlink(d->temporary);
     d->temporary[0] = '\0';
-    return io_fail_write(error, d->shown, errno);
+    if (d->file >= 0) close(d->file);
+    d->file = -1;
 }
 
 int io_open_temporary(const char *name) {
-    return open(name, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+    return open(name, O_RDWR | (names_open_file(name) ? 0 : O_NOFOLLOW) | O_CLOEXEC);
 }
 
 FILE *io_open_temporary_stream(const char *name) {
@@ -130,19 +170,30 @@ FILE *io_open_temporary_stream(const char *name) {
     return stream;
 }
 
+/* Gives a nameless file the name of the output, or, where there is a file of that name already, one to be renamed. */
+static int give_name(destination *d) {
+    char name[PATH_MAX];
+    if (!d->nameless) return 0;
+    if (linkat(AT_FDCWD, d->temporary, AT_FDCWD, d->path, AT_SYMLINK_FOLLOW) == 0) {
+        d->temporary[0] = '\0';
+        return 0;
+    }
+    for (int attempt = 0; errno == EEXIST && attempt < 100 && next_name(d, name); attempt++)
+        if (linkat(AT_FDCWD, d->temporary, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0) {
+            strcpy(d->temporary, name);
+            d->nameless = false;
+            return 0;
+        }
+    return -1;
+}
+
 /* The data reach the disk before the name does: a crash leaves the old file or the new one. */
 static int move_into_place(destination *d, io_error *error) {
-    int file = open(d->temporary, O_RDONLY | O_CLOEXEC);
-    if (file < 0 || fsync(file) != 0) {
-        int code = errno;
-        if (file >= 0) close(file);
-        /* Some network file systems cannot flush; what was written was checked by close(). */
-        if (file < 0 || (code != EINVAL && code != ENOTSUP && code != ENOSYS))
-            return io_fail_write(error, d->shown, code);
-    } else {
-        close(file);
-    }
-    if (rename(d->temporary, d->path) != 0) return io_fail_write(error, d->shown, errno);
+    /* Some network file systems cannot flush; what was written was checked by close(). */
+    if (fsync(d->file) != 0 && errno != EINVAL && errno != ENOTSUP && errno != ENOSYS)
+        return io_fail_write(error, d->shown, errno);
+    if (give_name(d) != 0) return io_fail_write(error, d->shown, errno);
+    if (d->temporary[0] && rename(d->temporary, d->path) != 0) return io_fail_write(error, d->shown, errno);
     d->temporary[0] = '\0';
     int folder = open(d->folder[0] ? d->folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder >= 0) {
@@ -185,6 +236,6 @@ int io_write(const io_picture *picture, const char *path, const io_options *opti
         io_handler_of(picture->format)->write(picture, d.temporary, path, options ? options : &defaults, note, error);
     result = io_check_unchanged(picture, result, error); /* parts are copied from it */
     if (result == 0) result = d.regular ? move_into_place(&d, error) : pour(&d, error);
-    if (d.temporary[0]) unlink(d.temporary);
+    drop_temporary(&d);
     return result;
 }

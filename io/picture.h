@@ -119,8 +119,8 @@ int io_create(io_picture **picture, io_format format, int width, int height, con
 /* Writes the whole picture to `path`: all parts, all channels (also those never read), all metadata, windows, pixel
  * types and compression of the file it was opened from. EXR parts without a modified channel are copied as they are,
  * deep and lossy ones and those with levels too; in others DWA becomes ZIP and levels but the largest are dropped:
- * *note says so. Written to a temporary file in the same folder (".ddof-<process>-<n>.tmp"), flushed, then renamed:
- * nothing is ever visible under `path` unless it is complete, and a failure removes the temporary file. An existing
+ * *note says so. Written to a file of the same folder that has no name (where there are no such files: ".ddof-<process>-<n>.tmp"),
+ * flushed, then given its name: nothing is ever visible under `path` unless it is complete, and a failure leaves nothing behind. An existing
  * file keeps its permissions, a symbolic link stays one and its target is written; `path` may be the file the picture
  * was read from. Into devices and pipes
  * (/dev/stdout) the finished file is poured. The name's ending must fit the picture's format, but for those.

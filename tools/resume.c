@@ -144,24 +144,13 @@ bool resume_complete(const options *o, const char *key) {
     return complete;
 }
 
-/* Under another name first: a record that is cut off would be no harm, but one of two frames would. */
+/* In one go. A record that is cut off is none, and costs no more than another rendering. */
 static bool write_record(const char *path, const char *text) {
-    char *temporary = NULL;
-    if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) return false;
-    unlink(temporary); /* of a process of this number that was killed */
-    int file = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    FILE *out = file >= 0 ? fdopen(file, "w") : NULL;
-    bool done = out && fputs(text, out) >= 0;
-    if (!out && file >= 0) close(file);
-    if (out && fclose(out) != 0) done = false;
-    done = done && rename(temporary, path) == 0;
-    if (!done && file >= 0) {
-        const int code = errno;
-        unlink(temporary);
-        errno = code;
-    }
-    free(temporary);
-    return done;
+    const size_t size = strlen(text);
+    const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file < 0) return false;
+    const bool written = write(file, text, size) == (ssize_t)size;
+    return close(file) == 0 && written;
 }
 
 void resume_record(const options *o, const char *key) {
