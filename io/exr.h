@@ -134,6 +134,8 @@ typedef struct io_exr_chunk {
     uint64_t whole, whole_offset; /* with its leader */
 } io_exr_chunk;
 
+/* How many bytes one packed byte can become at most. */
+uint64_t io_exr_most_unpacked(int compression);
 /* Fills chunk_count, flat_count, lines. */
 int io_exr_count_chunks(const char *path, io_exr_part *layout, io_error *error);
 /* The part of the picture that chunk `index` of level 0 covers. */

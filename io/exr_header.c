@@ -318,15 +318,12 @@ static char *copy_view(const io_exr_part *layout) {
     return size <= views->size - 4 ? strndup((const char *)views->value + 4, size) : strdup("");
 }
 
-/* A declared size that the file cannot hold even if every codec did its best: a damaged header, or a bomb. The limits
- * are those of the codecs: 127 bytes in 2, deflate's 1032:1 (PXR24 drops a byte of four before it), 256 samples in 10
- * bits, a block of 32 bytes in 3; DWA has none worth naming. */
+/* A declared size that the file cannot hold even if every codec did its best: a damaged header, or a bomb. */
 static int check_plausible(parser *p, const io_exr_source *source, const io_part *part, const io_exr_part *layout) {
-    static const uint64_t most[IO_EXR_COMPRESSIONS] = {1, 64, 1040, 1040, 512, 1400, 11, 11, 65536, 65536};
     uint64_t bytes = 0;
     for (int i = 0; i < part->channel_count; i++)
         bytes += (uint64_t)part->channel[i].width * (uint64_t)part->channel[i].height * io_type_size(layout->type[i]);
-    if (!layout->deep) p->least += bytes / most[layout->compression];
+    if (!layout->deep) p->least += bytes / io_exr_most_unpacked(layout->compression);
     if (source->file < 0 || p->least <= source->length) return 0;
     return io_fail(p->error,
                    "%s: declares %d x %d pixels (%llu MiB), which its %llu bytes cannot hold; the file is cut off or "

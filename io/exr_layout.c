@@ -25,6 +25,13 @@ static int lines_per_chunk(int compression) {
     return lines[compression];
 }
 
+/* The limits are those of the codecs: 127 bytes in 2, deflate's 1032:1 (PXR24 drops a byte of four before it), 256
+ * samples in 10 bits, a block of 32 bytes in 3; DWA has none worth naming. */
+uint64_t io_exr_most_unpacked(int compression) {
+    static const uint64_t most[IO_EXR_COMPRESSIONS] = {1, 64, 1040, 1040, 512, 1400, 11, 11, 65536, 65536};
+    return most[compression];
+}
+
 static int level_count(int size, bool round_up) {
     int count = 1;
     for (int64_t side = 1; round_up ? side < size : side * 2 <= size; side *= 2)
@@ -195,6 +202,9 @@ int io_exr_locate_chunk(const io_picture *picture, int part, int index, io_exr_c
         return io_exr_bad_chunk(picture, part, chunk, false, error);
     if (data > length - start - size || samples > length - start - size - data)
         return io_exr_bad_chunk(picture, part, chunk, true, error);
+    /* So a part that is copied without being looked into is one that can be opened again. */
+    if (flat && !layout->deep && data < chunk->unpacked / io_exr_most_unpacked(layout->compression))
+        return io_exr_bad_chunk(picture, part, chunk, false, error);
     chunk->offset = start + size;
     chunk->packed = data;
     chunk->whole_offset = start;
