@@ -175,10 +175,11 @@ void io_exr_codec_close(io_exr_codec *codec) {
 io_exr_worker *io_exr_worker_open(const io_exr_codec *codec) {
     io_exr_worker *worker = calloc(1, sizeof *worker);
     if (!worker) return NULL;
-    int compression = codec->layout->compression;
+    const bool zip = codec->layout->compression == IO_EXR_ZIP || codec->layout->compression == IO_EXR_ZIPS;
     worker->codec = codec;
-    worker->zip = compression == IO_EXR_ZIP || compression == IO_EXR_ZIPS ? io_exr_zip_open(DEFLATE_LEVEL) : NULL;
-    return worker;
+    if (!io_exr_has_zip || !zip || (worker->zip = io_exr_zip_open(DEFLATE_LEVEL))) return worker;
+    free(worker);
+    return NULL;
 }
 
 void io_exr_worker_close(io_exr_worker *worker) {
@@ -337,7 +338,7 @@ const unsigned char *io_exr_pack(io_exr_worker *worker, io_exr_chunk *chunk) {
     chunk->packed = chunk->unpacked; /* what compression does not make smaller is stored as it is */
     if (worker->codec->context && !worker->zip && chunk->unpacked > 0) return pack_by_library(worker, chunk);
     unsigned char *unpacked = reserve(&worker->unpacked, &worker->unpacked_room, chunk->unpacked);
-    if (!unpacked) return NULL;
+    if (!unpacked || (worker->zip && !io_exr_zip_reserve(worker->zip, (size_t)chunk->unpacked))) return NULL;
     walk_samples(worker, unpacked);
     size_t size;
     const unsigned char *packed =

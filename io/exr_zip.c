@@ -10,6 +10,8 @@
 
 #include <libdeflate.h>
 
+const bool io_exr_has_zip = true;
+
 struct io_exr_zip {
     struct libdeflate_compressor *compressor;
     struct libdeflate_decompressor *decompressor;
@@ -36,7 +38,7 @@ void io_exr_zip_close(io_exr_zip *zip) {
     free(zip);
 }
 
-static bool reserve(io_exr_zip *zip, size_t size) {
+bool io_exr_zip_reserve(io_exr_zip *zip, size_t size) {
     if (size <= zip->room) return true;
     free(zip->a);
     free(zip->b);
@@ -116,7 +118,7 @@ static void add_differences(unsigned char *data, size_t size) {
 bool io_exr_zip_unpack(io_exr_zip *zip, const unsigned char *packed, size_t packed_size, unsigned char *out,
                        size_t size) {
     size_t got = 0;
-    if (size == 0 || !reserve(zip, size) ||
+    if (size == 0 || !io_exr_zip_reserve(zip, size) ||
         libdeflate_zlib_decompress(zip->decompressor, packed, packed_size, zip->a, size, &got) != LIBDEFLATE_SUCCESS ||
         got != size)
         return false;
@@ -126,7 +128,7 @@ bool io_exr_zip_unpack(io_exr_zip *zip, const unsigned char *packed, size_t pack
 }
 
 const unsigned char *io_exr_zip_pack(io_exr_zip *zip, const unsigned char *in, size_t size, size_t *packed_size) {
-    if (size == 0 || !reserve(zip, size)) return NULL;
+    if (size == 0 || !io_exr_zip_reserve(zip, size)) return NULL;
     split(in, zip->a, zip->a + (size + 1) / 2, size);
     take_differences(zip->a, zip->b, size);
     *packed_size = libdeflate_zlib_compress(zip->compressor, zip->b, size, zip->a, size - 1);
@@ -135,6 +137,8 @@ const unsigned char *io_exr_zip_pack(io_exr_zip *zip, const unsigned char *in, s
 
 #else
 
+const bool io_exr_has_zip = false;
+
 io_exr_zip *io_exr_zip_open(int level) {
     (void)level;
     return NULL;
@@ -142,6 +146,11 @@ io_exr_zip *io_exr_zip_open(int level) {
 
 void io_exr_zip_close(io_exr_zip *zip) {
     (void)zip;
+}
+
+bool io_exr_zip_reserve(io_exr_zip *zip, size_t size) {
+    (void)zip, (void)size;
+    return false;
 }
 
 bool io_exr_zip_unpack(io_exr_zip *zip, const unsigned char *packed, size_t packed_size, unsigned char *out,

@@ -10,9 +10,14 @@
 
 typedef struct io_exr_zip io_exr_zip; /* one per thread */
 
+/* Whether this build has libdeflate. */
+extern const bool io_exr_has_zip;
+
 /* NULL: this build has no libdeflate, or out of memory. */
 io_exr_zip *io_exr_zip_open(int level);
 void io_exr_zip_close(io_exr_zip *zip);
+/* Memory for chunks of that size: what wants it next cannot fail for lack of it. */
+bool io_exr_zip_reserve(io_exr_zip *zip, size_t size);
 /* Exactly `size` bytes into `out`; false when the data are damaged, or out of memory. */
 bool io_exr_zip_unpack(io_exr_zip *zip, const unsigned char *packed, size_t packed_size, unsigned char *out,
                        size_t size);

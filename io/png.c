@@ -20,6 +20,7 @@ typedef struct reader {
     png_infop info, end;
     io_error message; /* libpng's words, "" for none */
     bool cut;         /* the file ended while libpng wanted more */
+    bool no_memory;   /* libpng goes on without a chunk it has no memory for, and only warns */
     uint32_t rows;    /* decoded so far */
     int pass;
     /* What read_rows works on. */
@@ -42,6 +43,17 @@ static void on_error(png_structp png, png_const_charp text) {
 static void on_warning(png_structp png, png_const_charp text) {
     (void)png;
     (void)text;
+}
+
+static void *allocate_memory(png_structp png, png_alloc_size_t size) {
+    void *memory = malloc(size);
+    if (memory == NULL) ((reader *)png_get_mem_ptr(png))->no_memory = true;
+    return memory;
+}
+
+static void free_memory(png_structp png, void *memory) {
+    (void)png;
+    free(memory);
 }
 
 static void read_bytes(png_structp png, png_bytep out, size_t size) {
@@ -72,7 +84,7 @@ static int start(reader *r, const io_picture *picture, io_error *error) {
     *r = (reader){.file = io_reopen_stream(picture, error)};
     if (r->file == NULL) return -1;
     int64_t length = io_file_length(r->file);
-    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r, on_error, on_warning);
+    r->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, r, on_error, on_warning, r, allocate_memory, free_memory);
     if (r->png != NULL) r->info = png_create_info_struct(r->png);
     if (r->info != NULL) r->end = png_create_info_struct(r->png);
     if (r->end == NULL) return io_fail(error, "%s: not enough memory to read it", path);
@@ -213,6 +225,7 @@ static int open_png(io_picture *picture, io_meaning meaning, const io_options *o
         if (options != NULL) picture->source->options = *options;
         status = fill(picture, &r, meaning, error);
     }
+    if (r.no_memory) status = io_fail(error, "%s: not enough memory to read it", picture->path);
     stop(&r);
     return status;
 }
@@ -315,6 +328,7 @@ static int read_png(io_picture *picture, int part_index, const char *const *name
         wanted++;
     }
     if (status == 0 && wanted > 0) status = read_pixels(&r, source, picture->path, error);
+    if (r.no_memory) status = io_fail(error, "%s: not enough memory to read it", picture->path);
     stop(&r);
     return status;
 }

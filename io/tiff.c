@@ -263,7 +263,9 @@ static int get_metadata(const io_picture *picture, io_source *source, io_tiff_fi
     source->big_endian = raw.big_endian;
     source->big_tiff = raw.big_tiff;
     if (status == 0) source->pages = io_ifd_count_next(&raw, offset, &source->all_pages);
-    if (status == 0)
+    if (raw.no_memory)
+        status = io_fail(error, "%s: not enough memory", path);
+    else if (status == 0)
         status = check_layout(path, source, raw.length, error);
     else
         io_fail(error, "%s: the TIFF directory is damaged; export the picture again", path);

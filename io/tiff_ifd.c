@@ -108,6 +108,7 @@ int io_ifd_next(io_ifd_file *file, uint64_t offset, uint64_t *next) {
 
 int io_ifd_count_next(io_ifd_file *file, uint64_t first, bool *all) {
     uint64_t *seen = malloc(sizeof *seen * MOST_PAGES), count, entries, next;
+    file->no_memory |= seen == NULL;
     uint64_t offset = first;
     int pages = 0;
     for (; seen != NULL && offset != 0 && pages < MOST_PAGES; offset = next) {
@@ -171,7 +172,10 @@ static int read_entry(io_ifd_file *file, const unsigned char *raw, io_ifd_entry 
     if (size == 0 || entry->count == 0 || entry->count > *budget / size) return 1;
     entry->size = (size_t)(entry->count * size);
     entry->value = malloc(entry->size);
-    if (entry->value == NULL) return 1;
+    if (entry->value == NULL) {
+        file->no_memory = true;
+        return 1;
+    }
     if (entry->size <= (size_t)pointer)
         memcpy(entry->value, field, entry->size);
     else if (read_at(file, get(file, field, pointer), entry->value, entry->size) < 0)
@@ -180,6 +184,7 @@ static int read_entry(io_ifd_file *file, const unsigned char *raw, io_ifd_entry 
     if (entry->tag == TAG_EXIF || entry->tag == TAG_GPS || entry->tag == TAG_INTEROPERABILITY) {
         uint64_t child;
         entry->child = calloc(1, sizeof *entry->child);
+        file->no_memory |= entry->child == NULL;
         if (entry->child == NULL || depth >= DEEPEST || !element(file, entry, 0, &child) ||
             read_directory(file, child, NULL, entry->child, depth + 1, budget) < 0)
             goto lost;
@@ -199,6 +204,7 @@ static int read_directory(io_ifd_file *file, uint64_t offset, bool (*wanted)(uin
     if (read_frame(file, offset, &count, &entries, &ifd->next) < 0) return -1;
     unsigned char *raw = malloc((size_t)count * (size_t)entry_size);
     ifd->entry = malloc(sizeof *ifd->entry * (size_t)count);
+    file->no_memory |= raw == NULL || ifd->entry == NULL;
     if (raw == NULL || ifd->entry == NULL || read_at(file, entries, raw, (size_t)count * (size_t)entry_size) < 0) {
         free(raw);
         io_ifd_free(ifd);

@@ -15,6 +15,7 @@ typedef struct io_ifd_file {
     FILE *file;
     uint64_t length;
     bool big_endian, big_tiff;
+    bool no_memory; /* something could not be kept for want of it */
 } io_ifd_file;
 
 typedef struct io_ifd_entry {

@@ -330,11 +330,13 @@ static int append(const writer *w, const io_picture *picture, io_ifd_file *to, i
     if (status < 0) io_fail(error, "%s: cannot be written: %s", w->path, strerror(errno));
     free(merged.entry);
     io_ifd_free(&written);
+    if (to->no_memory) return io_fail(error, "%s: not enough memory to write it", w->path);
     if (status < 0 || w->source->pages == 0) return status;
     io_ifd_file from = {.file = io_reopen_stream(picture, error)};
     if (from.file == NULL) return -1;
     from.length = (uint64_t)io_file_length(from.file);
     status = copy_pages(w, &from, to, next_field, note, error);
+    if (from.no_memory || to->no_memory) status = io_fail(error, "%s: not enough memory to write it", w->path);
     fclose(from.file);
     return status;
 }

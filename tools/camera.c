@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "json.h"
 #include "message.h"
 #include "sequence.h"
 
@@ -63,7 +64,7 @@ static int parse_file(const char *path, cJSON **root) {
         while (*root && end < text + size && isspace((unsigned char)*end))
             end++;
         if (!*root || end < text + size) {
-            status = fail_syntax(path, text, end);
+            status = json_out_of_memory() ? fail("%s: out of memory", path) : fail_syntax(path, text, end);
             cJSON_Delete(*root);
             *root = NULL;
         } else if (!cJSON_IsObject(*root)) {

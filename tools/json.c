@@ -4,11 +4,28 @@
 #include "json.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "message.h"
+
+static atomic_bool out_of_memory;
+
+static void *allocate(size_t size) {
+    void *memory = malloc(size);
+    if (!memory) atomic_store(&out_of_memory, true);
+    return memory;
+}
+
+void json_watch_memory(void) {
+    cJSON_InitHooks(&(cJSON_Hooks){.malloc_fn = allocate, .free_fn = free});
+}
+
+bool json_out_of_memory(void) {
+    return atomic_load(&out_of_memory);
+}
 
 void json_number(cJSON *object, const char *key, double number) {
     if (!isfinite(number)) {
@@ -35,7 +52,7 @@ static size_t utf8_length(const unsigned char *s) {
 
 cJSON *json_text_item(const char *text) {
     size_t size = strlen(text);
-    char *copy = malloc(size + 1);
+    char *copy = allocate(size + 1);
     if (!copy) return cJSON_CreateString("");
     memcpy(copy, text, size + 1);
     for (unsigned char *c = (unsigned char *)copy; *c;) {
@@ -55,7 +72,10 @@ void json_text(cJSON *object, const char *key, const char *text) {
 static int print_object(cJSON *object, bool one_line) {
     char *text = !object ? NULL : one_line ? cJSON_PrintUnformatted(object) : cJSON_Print(object);
     cJSON_Delete(object);
-    if (!text) return fail("--json: out of memory");
+    if (!text || json_out_of_memory()) {
+        cJSON_free(text);
+        return fail("--json: out of memory");
+    }
     puts(text);
     cJSON_free(text);
     return finish_output();

@@ -8,6 +8,10 @@
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 
+/* To be called before anything of cJSON, which leaves out what it has no memory for: from then on that is remembered. */
+void json_watch_memory(void);
+bool json_out_of_memory(void);
+
 /* Numbers that JSON cannot hold (infinite, NaN) become null. */
 void json_number(cJSON *object, const char *key, double number);
 void json_integer(cJSON *object, const char *key, double number);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "json.h"
 #include "message.h"
 #include "options.h"
 #include "session.h"
@@ -71,5 +72,6 @@ int main(int count, char **word) {
     }
     message_quiet(option_given(&o, OPT_QUIET));
     catch_signals();
+    json_watch_memory();
     return run(&o, start);
 }

@@ -239,8 +239,9 @@ static void make_frame(call *c) {
         describe(c, &c->frame.output, 3, width, height, channels);
     if (what & 16) c->frame.holdout = &c->holdout;
     if (what & 64) {
-        c->frame.picture_width = fuzz_range(in, -1, 5000);
-        c->frame.picture_height = fuzz_range(in, -1, 5000);
+        /* Sprites grow with it, up to minutes of work: 300 pixels have a CoC of several levels. */
+        c->frame.picture_width = fuzz_range(in, -1, 300);
+        c->frame.picture_height = fuzz_range(in, -1, 300);
         c->frame.offset_x = fuzz_range(in, -3000, 3000);
         c->frame.offset_y = fuzz_range(in, -3000, 3000);
     }
