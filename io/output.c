@@ -96,7 +96,15 @@ static int resolve(destination *d, const char *path, io_error *error) {
     d->regular = !d->exists || (S_ISREG(status.st_mode) && !names_open_file(d->path));
     d->mode = d->exists ? status.st_mode & 07777 : 0;
     if (d->exists && S_ISDIR(status.st_mode)) return io_fail(error, "%s: is a folder; give the name of a file", path);
+    /* rename() would replace it all the same, and root may write to anything; but someone wants it kept. */
+    if (d->exists && d->regular && ((d->mode & 0222) == 0 || access(d->path, W_OK) != 0))
+        return io_fail(error, "%s: is write-protected; allow writing to it or give another name", path);
     return 0;
+}
+
+int io_check_output(const char *path, io_error *error) {
+    destination d;
+    return resolve(&d, path, error);
 }
 
 /* Another name in the folder each time; false: too long. */

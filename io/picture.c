@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "format.h"
+#include "coding.h"
 
 static const io_handler *const handlers[] = {&io_exr, &io_png, &io_tiff, &io_pfm};
 enum { HANDLERS = sizeof handlers / sizeof handlers[0], HEAD = 32, LONGEST_SIDE = 1 << 20 };
@@ -275,7 +275,20 @@ int io_open(io_picture **picture, const char *path, io_meaning meaning, const io
     return 0;
 }
 
+/* A small file may declare a large picture and be right: compressed white is short. */
+static int check_wanted(const io_picture *picture, const io_part *part, const char *const *names, int name_count,
+                        io_error *error) {
+    uint64_t bytes = 0;
+    for (int i = 0; i < part->channel_count; i++) {
+        const io_channel *channel = &part->channel[i];
+        if (!channel->data && io_name_wanted(channel->name, names, name_count))
+            bytes += (uint64_t)channel->width * (uint64_t)channel->height * io_type_size(channel->type);
+    }
+    return io_check_memory(picture->path, bytes, error);
+}
+
 int io_read_channels(io_picture *picture, int part, const char *const *names, int name_count, io_error *error) {
+    if (check_wanted(picture, &picture->part[part], names, name_count, error) != 0) return -1;
     int result = io_handler_of(picture->format)->read(picture, part, names, name_count, error);
     return io_check_unchanged(picture, result, error);
 }

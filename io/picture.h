@@ -121,11 +121,14 @@ int io_create(io_picture **picture, io_format format, int width, int height, con
  * deep and lossy ones and those with levels too; in others DWA becomes ZIP and levels but the largest are dropped:
  * *note says so. Written to a file of the same folder that has no name (where there are no such files: ".ddof-<process>-<n>.tmp"),
  * flushed, then given its name: nothing is ever visible under `path` unless it is complete, and a failure leaves nothing behind. An existing
- * file keeps its permissions, a symbolic link stays one and its target is written; `path` may be the file the picture
+ * file keeps its permissions, one without that to write is refused, a symbolic link stays one and its target is written; `path` may be the file the picture
  * was read from. Into devices and pipes
  * (/dev/stdout) the finished file is poured. The name's ending must fit the picture's format, but for those.
  * note: receives one line of what could not be kept, "" when nothing; may be NULL. */
 int io_write(const io_picture *picture, const char *path, const io_options *options, io_error *note, io_error *error);
+
+/* What io_write would say about the name alone, before any work is done: a folder, a file that is write-protected. */
+int io_check_output(const char *path, io_error *error);
 
 /* ---- which channels are what (io/select.c) */
 

@@ -19,6 +19,8 @@ int output_check(option_id option, const char *path, io_format *format) {
     struct stat info;
     if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
         return fail("%s: is a folder; give --%s the name of a file", path, name);
+    io_error error = {0};
+    if (io_check_output(path, &error)) return fail("%s", error.text);
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash - path) + (slash == path)) : strdup(".");
     if (!folder) return fail("--%s: out of memory", name);
