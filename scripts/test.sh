@@ -6,6 +6,7 @@
 #   release  as it is shipped
 #   asan     AddressSanitizer and UndefinedBehaviorSanitizer
 #   tsan     ThreadSanitizer, without GL and Vulkan, whose drivers bring threads that it cannot see into
+#   fuzz     every target of tests/fuzz with libFuzzer for two seconds; skipped where there is no clang that has it
 #   arm64    the library's NEON kernels, cross-compiled, under qemu (-O2: GCC 12 for arm64 crashes on the tests at -O3)
 set -u
 cd "$(dirname "$0")/.."
@@ -16,8 +17,9 @@ options() {
     release) ;;
     asan) echo --buildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
     tsan) echo --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=thread -Db_lundef=false -Ddefault_library=static ;;
+    fuzz) echo -Dfuzz=true --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
     arm64) echo --cross-file build-test/arm64.ini --buildtype=debugoptimized -Dtools=false -Dvulkan=disabled -Ddefault_library=static ;;
-    *) echo "test.sh: no such variant: $1 (release, asan, tsan, arm64)" >&2; exit 2 ;;
+    *) echo "test.sh: no such variant: $1 (release, asan, tsan, fuzz, arm64)" >&2; exit 2 ;;
     esac
 }
 
@@ -29,11 +31,18 @@ count() {
     passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 }
 
+has_libfuzzer() {
+    echo 'int LLVMFuzzerTestOneInput(const char *data, long size) { return size < 0 && *data; }' |
+        clang -fsanitize=fuzzer,address -x c - -o build-test/libfuzzer 2>/dev/null
+}
+
 run() {
     variant=$1 dir=build-test/$1
     flags=$(options "$variant") || exit 2
     echo "== $variant"
-    if ! { [ -f "$dir/build.ninja" ] || meson setup "$dir" $flags; } >"build-test/$variant.log" 2>&1 ||
+    compilers=
+    [ "$1" = fuzz ] && compilers="env CC=clang CXX=clang++"
+    if ! { [ -f "$dir/build.ninja" ] || $compilers meson setup "$dir" $flags; } >"build-test/$variant.log" 2>&1 ||
        ! ninja -C "$dir" >>"build-test/$variant.log" 2>&1; then
         tail -n 40 "build-test/$variant.log"
         echo "$variant: the build failed (build-test/$variant.log)"
@@ -68,6 +77,11 @@ export TSAN_OPTIONS=${TSAN_OPTIONS:-halt_on_error=1}
 for variant; do
     if [ "$variant" = arm64 ] && ! sh scripts/arm64_cmocka.sh build-test/arm64-root; then
         echo "arm64: skipped, the test framework could not be had for arm64"
+        skipped=$((skipped + 1))
+        continue
+    fi
+    if [ "$variant" = fuzz ] && ! has_libfuzzer; then
+        echo "fuzz: skipped, there is no clang with libFuzzer"
         skipped=$((skipped + 1))
         continue
     fi

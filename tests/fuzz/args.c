@@ -12,6 +12,7 @@
 #include "iris.h"
 #include "lens.h"
 #include "options.h"
+#include "sequence.h"
 
 enum { MOST_WORDS = 64, LARGEST = 4096, PICTURE_WIDTH = 1920 };
 
@@ -51,6 +52,24 @@ static void make_settings(const options *o) {
     fuzz_require_line(status);
 }
 
+/* The frames of a pattern, without the folder that it lies in: that is another one on every machine. */
+static void expand_frames(const options *o) {
+    if (!option_given(o, OPT_FRAMES) || !pattern_has_number(o->file[0])) return;
+    sequence frames;
+    const int status = sequence_open(&frames, o);
+    fuzz_require_line(status);
+    if (status) return;
+    fuzz_require(frames.count > 0 && frames.frame[0] >= 0, "there are frames", option_text(o, OPT_FRAMES));
+    for (int i = 1; i < frames.count; i++)
+        fuzz_require(frames.frame[i] > frames.frame[i - 1], "frames go upwards", option_text(o, OPT_FRAMES));
+    frame_options one;
+    fuzz_require_line(frame_options_make(&one, o, &frames, frames.frame[frames.count - 1]));
+    fuzz_require(!option_given(o, OPT_OUTPUT) || strcmp(one.o.value[OPT_OUTPUT].text, option_text(o, OPT_OUTPUT)) != 0,
+                 "the output of a frame has its number", option_text(o, OPT_OUTPUT));
+    frame_options_free(&one);
+    sequence_close(&frames);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_listen();
     if (size < 1 || size > LARGEST) return 0;
@@ -70,6 +89,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (status == 0 && !option_given(&parsed, OPT_HELP)) {
         require_in_range(&parsed);
         make_settings(&parsed);
+        if (parsed.command == COMMAND_RENDER) expand_frames(&parsed);
     }
     free(text);
     return 0;
