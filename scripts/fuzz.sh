@@ -25,7 +25,7 @@ limits="-max_len=16384 -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=1024"
 if [ -n "$keep" ]; then
     mkdir "$corpus.new"
     # shellcheck disable=SC2086
-    $build/tests/fuzz/fuzz_"$target" -merge=1 $limits "$corpus.new" "$corpus" "$found"
+    $build/tests/fuzz/fuzz_"$target" -set_cover_merge=1 $limits "$corpus.new" "$corpus" "$found"
     rm -r "$corpus"
     mv "$corpus.new" "$corpus"
     du -sb "$corpus"

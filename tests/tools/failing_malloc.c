@@ -21,6 +21,8 @@
 extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t),
     *__libc_memalign(size_t, size_t);
 
+#pragma GCC visibility push(default) /* the project hides what is not said to be seen */
+
 static atomic_long count;
 static long fail_at;
 static bool counting, fail_on;
