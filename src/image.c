@@ -26,7 +26,8 @@ bool image_is_rgba(const ddof_image *image) {
     const ddof_plane *p = image->plane;
     for (int c = 0; c < 4; c++) {
         if (p[c].type != DDOF_FLOAT || p[c].pixel_stride != 16 || p[c].row_stride != p[0].row_stride) return false;
-        if (p[c].data != (char *)p[0].data + 4 * c) return false;
+        /* As numbers: where only sizes are asked for there may be no data. */
+        if ((uintptr_t)p[c].data != (uintptr_t)p[0].data + 4 * (size_t)c) return false;
     }
     return true;
 }
