@@ -5,14 +5,14 @@
 
 _ddof_options() {
     local blur="--layer --depth --depth-kind --near --far --coc --coc-scale --camera --render --focal-length
-        --sensor-width --fstop --unit --focus --focus-at --focus-range --max-coc --max-coc-near --max-coc-far"
+        --sensor-width --fstop --unit --focus --focus-at --focus-range --autofocus --focus-smooth --animate --metadata --max-coc --max-coc-near --max-coc-far"
     local engine="--threads --backend --device --cpu" gpu="--solver --surface --shared-chain"
     local bokeh="--bokeh --iris --bokeh-threshold --bokeh-limit --max-sprites --max-sprite-area --bokeh-resolution"
     local shot="--frames --resume --keep-going --in-flight" report="--quiet --json --help"
     case $1 in
         render) echo "--output $shot $blur --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $engine $gpu $report" ;;
         coc) echo "--output $shot $blur --exposure $engine $report" ;;
-        info) echo "--layer --depth --threads $report" ;;
+        info) echo "--layer --depth --metadata --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
             --method --conductance --substeps --kernel --quality $bokeh --append --quads $engine $gpu $report" ;;
@@ -57,6 +57,7 @@ _ddof_value() {
         --depth-kind) choices="planar ray inverse normalized device" ;;
         --method) choices="diffusion gaussian hexagon scatter none" ;;
         --bokeh) choices="off highlights full" ;;
+        --metadata) choices="auto focus= fstop= focal-length= sensor-width=" ;;
         --iris) choices="disc blades= image=" ;;
         --bokeh-resolution) choices="full half" ;;
         --append) choices="counter arguments" ;;
@@ -73,7 +74,7 @@ _ddof_value() {
         --type) choices="float half" ;;
         --layout) choices="interleaved planar" ;;
         --size) choices="1280x720 1600x1200 1920x1080 3840x2160" ;;
-        --camera) _ddof_files 'json' "$3"; return 0 ;;
+        --camera | --animate) _ddof_files 'json' "$3"; return 0 ;;
         --preview) _ddof_files 'png' "$3"; return 0 ;;
         -o | --output | --mask | --holdout) _ddof_files "$pictures" "$3"; return 0 ;;
         --depth | --coc)
@@ -83,7 +84,7 @@ _ddof_value() {
             return 0
             ;;
         --frames | --in-flight | --layer | --near | --far | --coc-scale | --render | --focal-length | --sensor-width | --fstop | --unit | --focus | \
-            --focus-at | --focus-range | --max-coc | --max-coc-near | --max-coc-far | --runs | --channels | --substeps | \
+            --focus-at | --focus-range | --autofocus | --focus-smooth | --max-coc | --max-coc-near | --max-coc-far | --runs | --channels | --substeps | \
             --bokeh-threshold | --bokeh-limit | --max-sprites | --max-sprite-area | --amplify | --exposure | --threads | --device) return 0 ;;
         *) return 1 ;;
     esac

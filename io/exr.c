@@ -117,6 +117,46 @@ static int exr_create(io_picture *picture, io_meaning meaning, io_error *error) 
     return io_exr_count_chunks(picture->path, layout, error);
 }
 
+static bool read_text_number(const io_exr_attribute *a, double *number) {
+    char text[64], *end;
+    if (a->size == 0 || a->size >= sizeof text || !strchr("+-.0123456789", a->value[0])) return false;
+    memcpy(text, a->value, a->size);
+    text[a->size] = 0;
+    *number = strtod(text, &end);
+    return end == text + a->size && strpbrk(text, "xXpPnN ") == NULL;
+}
+
+static bool exr_number(const io_picture *picture, int part, const char *name, double *number) {
+    const io_exr_attribute *a = io_exr_find(&io_exr_source_of(picture)->part[part], name);
+    if (!a) return false;
+    if (strcmp(a->type, "string") == 0) return read_text_number(a, number);
+    if (strcmp(a->type, "float") == 0 && a->size == 4) {
+        const uint32_t bits = io_get32(a->value);
+        float value;
+        memcpy(&value, &bits, sizeof value);
+        *number = (double)value;
+        return true;
+    }
+    if (strcmp(a->type, "double") == 0 && a->size == 8) {
+        const uint64_t bits = io_get64(a->value);
+        memcpy(number, &bits, sizeof bits);
+        return true;
+    }
+    if (strcmp(a->type, "int") == 0 && a->size == 4) {
+        *number = (int32_t)io_get32(a->value);
+        return true;
+    }
+    if (strcmp(a->type, "rational") != 0 || a->size != 8) return false;
+    const uint32_t denominator = io_get32(a->value + 4);
+    *number = (double)(int32_t)io_get32(a->value) / denominator;
+    return denominator != 0;
+}
+
+static const char *exr_attribute(const io_picture *picture, int part, int index) {
+    const io_exr_part *layout = &io_exr_source_of(picture)->part[part];
+    return index < layout->attribute_count ? layout->attribute[index].name : NULL;
+}
+
 const io_handler io_exr = {
     .format = IO_EXR,
     .matches = exr_matches,
@@ -124,5 +164,7 @@ const io_handler io_exr = {
     .read = exr_read,
     .create = exr_create,
     .write = io_exr_write,
+    .number = exr_number,
+    .attribute = exr_attribute,
     .close = exr_close,
 };

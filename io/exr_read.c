@@ -30,6 +30,11 @@ static void report_bad(reading *r, int index) {
         ;
 }
 
+/* Whether any of these rows, counted from the first of the data, is to be read. */
+static bool rows_wanted(const io_picture *picture, int row, int rows) {
+    return picture->rows == 0 || (row < (int64_t)picture->row + picture->rows && (int64_t)row + rows > picture->row);
+}
+
 /* Takes chunks until there are none, or one was bad. Chunks are taken in order, so every one before a bad one is tried.
  */
 static void read_chunks(void *data, int unused) {
@@ -39,6 +44,7 @@ static void read_chunks(void *data, int unused) {
     if (!worker) atomic_store(&r->no_memory, true);
     for (int i; worker && (i = atomic_fetch_add(&r->next, 1)) < atomic_load(&r->first_bad);) {
         const io_exr_chunk *chunk = &r->chunks[i];
+        if (!rows_wanted(r->picture, chunk->y, chunk->height)) continue;
         unsigned char *packed = io_exr_packed_buffer(worker, chunk);
         if (!packed) {
             atomic_store(&r->no_memory, true);
@@ -106,6 +112,7 @@ static int make_plain_file(const io_picture *picture, int index, const io_exr_ch
 }
 
 typedef struct dwa_reading {
+    const io_picture *picture;
     const io_bytes *file;
     const io_part *part;
     const io_exr_slice *slices;
@@ -121,6 +128,7 @@ static void read_band(void *data, int index) {
     const io_box *w = &r->part->data;
     int top = w->y + index * r->band, left = w->height - index * r->band;
     int bottom = top + (r->band < left ? r->band : left) - 1;
+    if (!rows_wanted(r->picture, index * r->band, r->band)) return;
     char reason[sizeof r->reason];
     if (io_exr_dwa_decode(r->file->data, r->file->size, w->x, w->y, top, bottom, r->slices, r->slice_count, reason,
                           sizeof reason) == 0)
@@ -151,7 +159,7 @@ static int read_dwa(const io_picture *picture, int index, const io_part *part, c
     const io_exr_part *layout = &io_exr_source_of(picture)->part[index];
     io_exr_slice *slices = calloc((size_t)part->channel_count, sizeof *slices);
     io_bytes file = {0};
-    dwa_reading r = {.file = &file, .part = part, .slices = slices, .bad = INT_MAX};
+    dwa_reading r = {.picture = picture, .file = &file, .part = part, .slices = slices, .bad = INT_MAX};
     int result = slices ? 0 : io_fail(error, "%s: not enough memory", picture->path);
     for (int i = 0; slices && i < part->channel_count; i++) {
         const io_channel *c = &part->channel[i];

@@ -23,6 +23,9 @@ typedef struct io_handler {
     /* Writes the file `temporary` from scratch. Messages name `path`, the final name. */
     int (*write)(const io_picture *picture, const char *temporary, const char *path, const io_options *options,
                  io_error *note, io_error *error);
+    /* As io_attribute_number and _name; NULL: the format has none. */
+    bool (*number)(const io_picture *picture, int part, const char *name, double *number);
+    const char *(*attribute)(const io_picture *picture, int part, int index);
     /* Frees picture->source. */
     void (*close)(io_picture *picture);
 } io_handler;

@@ -149,6 +149,17 @@ int io_check_memory(const char *path, uint64_t bytes, io_error *error) {
                    (unsigned long long)(bytes >> 20), (unsigned long long)pages * (unsigned long long)page >> 20);
 }
 
+bool io_attribute_number(const io_picture *picture, int part, const char *name, double *number) {
+    const io_handler *handler = io_handler_of(picture->format);
+    return part >= 0 && part < picture->part_count && handler->number && handler->number(picture, part, name, number);
+}
+
+const char *io_attribute_name(const io_picture *picture, int part, int index) {
+    const io_handler *handler = io_handler_of(picture->format);
+    if (part < 0 || part >= picture->part_count || index < 0 || !handler->attribute) return NULL;
+    return handler->attribute(picture, part, index);
+}
+
 void io_close(io_picture **picture) {
     if (!picture || !*picture) return;
     io_picture *p = *picture;
@@ -291,6 +302,14 @@ int io_read_channels(io_picture *picture, int part, const char *const *names, in
     if (check_wanted(picture, &picture->part[part], names, name_count, error) != 0) return -1;
     int result = io_handler_of(picture->format)->read(picture, part, names, name_count, error);
     return io_check_unchanged(picture, result, error);
+}
+
+int io_read_rows(io_picture *picture, int part, const char *const *names, int name_count, int row, int rows, io_error *error) {
+    picture->row = row;
+    picture->rows = rows;
+    const int result = io_read_channels(picture, part, names, name_count, error);
+    picture->row = picture->rows = 0;
+    return result;
 }
 
 int io_read(io_picture *picture, io_error *error) {

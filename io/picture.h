@@ -68,6 +68,7 @@ typedef struct io_picture {
     int part_count;
     io_part *part;
     struct io_source *source; /* what the format keeps: header attributes, text chunks, raw tags */
+    int row, rows;            /* of the data that are being read, see io_read_rows(); rows 0: all */
 } io_picture;
 
 typedef enum io_meaning {
@@ -95,6 +96,10 @@ int io_read(io_picture *picture, io_error *error);
 /* Reads only the named channels of one part (names NULL: all channels of that part). Channels read before are left
  * alone. */
 int io_read_channels(io_picture *picture, int part, const char *const *names, int name_count, io_error *error);
+
+/* The same, but all that is needed are `rows` rows from `row` on, counted from the first of the data. Of EXR, chunks that have
+ * none of them are left out, and their pixels are 0. */
+int io_read_rows(io_picture *picture, int part, const char *const *names, int name_count, int row, int rows, io_error *error);
 
 void io_close(io_picture **picture);
 
@@ -129,6 +134,14 @@ int io_write(const io_picture *picture, const char *path, const io_options *opti
 
 /* What io_write would say about the name alone, before any work is done: a folder, a file that is write-protected. */
 int io_check_output(const char *path, io_error *error);
+
+/* ---- what else a header says */
+
+/* The number that the attribute `name` of a part holds: an EXR float, double, int, rational, or a string that is a number and
+ * nothing else; it may be infinite or NaN. false: it has none. Other formats have none. */
+bool io_attribute_number(const io_picture *picture, int part, const char *name, double *number);
+/* The name of attribute number `index` of a part, whatever it holds; NULL: there are no more. */
+const char *io_attribute_name(const io_picture *picture, int part, int index);
 
 /* ---- which channels are what (io/select.c) */
 

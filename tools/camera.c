@@ -5,7 +5,6 @@
 
 #include <cjson/cJSON.h>
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,68 +13,6 @@
 #include "json.h"
 #include "message.h"
 #include "sequence.h"
-
-enum { LARGEST_FILE = 16 << 20 }; /* bytes; some ten thousand frames */
-
-/* ------------------------------------------------------------------------- the file */
-
-static int read_text(const char *path, char **text, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    if (!file) return fail("%s: %s; give --camera a scene.json that can be read", path, strerror(errno));
-    size_t room = 4096, used = 0;
-    *text = NULL;
-    for (;;) {
-        char *larger = realloc(*text, room);
-        if (!larger) {
-            fclose(file);
-            return fail("%s: out of memory", path);
-        }
-        *text = larger;
-        used += fread(*text + used, 1, room - used, file);
-        if (used < room || room > LARGEST_FILE) break;
-        room *= 2;
-    }
-    bool bad = ferror(file);
-    int reason = errno;
-    fclose(file);
-    if (bad) return fail("%s: %s; give --camera a scene.json that can be read", path, strerror(reason));
-    if (used > LARGEST_FILE) return fail("%s: larger than %d MiB; that is no camera file", path, LARGEST_FILE >> 20);
-    *size = used;
-    return 0;
-}
-
-static int fail_syntax(const char *path, const char *text, const char *at) {
-    int line = 1, column = 1;
-    for (const char *c = text; c < at; c++) {
-        line += *c == '\n';
-        column = *c == '\n' ? 1 : column + 1;
-    }
-    return fail("%s: line %d, column %d: not valid JSON; correct it there", path, line, column);
-}
-
-static int parse_file(const char *path, cJSON **root) {
-    char *text = NULL;
-    size_t size = 0;
-    int status = read_text(path, &text, &size);
-    if (status == 0) {
-        const char *end = text;
-        *root = cJSON_ParseWithLengthOpts(text, size, &end, false);
-        /* only blanks may follow; asking cJSON for that would read a byte past the end */
-        while (*root && end < text + size && isspace((unsigned char)*end))
-            end++;
-        if (!*root || end < text + size) {
-            status = json_out_of_memory() ? fail("%s: out of memory", path) : fail_syntax(path, text, end);
-            cJSON_Delete(*root);
-            *root = NULL;
-        } else if (!cJSON_IsObject(*root)) {
-            status = fail("%s: not a JSON object; a camera file begins with {\"camera\": {...", path);
-            cJSON_Delete(*root);
-            *root = NULL;
-        }
-    }
-    free(text);
-    return status;
-}
 
 /* ------------------------------------------------------------------------- members */
 
@@ -226,7 +163,7 @@ static int read_root(camera *result, const char *path, const char *name, const c
 int camera_read(camera *result, const char *path, const char *entry, const char *input) {
     *result = (camera){0};
     cJSON *root = NULL;
-    int status = parse_file(path, &root);
+    int status = json_read(&root, path, "camera", "{\"camera\": {...");
     if (status == 0) status = read_root(result, path, entry, input, root);
     cJSON_Delete(root);
     return status;

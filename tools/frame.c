@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "message.h"
+#include "pull.h"
 #include "sequence.h"
 #include "shot.h"
 
@@ -34,11 +35,18 @@ static int check_single(const options *o) {
 int frame_run(const options *o, frame_work *work, double start) {
     if (sequence_wanted(o)) return shot_run(o, work, start);
     session s = {0};
+    pull changes;
+    frame_options f = {.o = *o};
     frame_report report = {0};
     int status = check_single(o);
-    if (status == 0) status = session_open(&s, o); /* what cannot be had is said before minutes of decoding */
-    if (status == 0) status = work(o, &s, start, &report);
+    if (status == 0) status = pull_open(&changes, o, NULL);
+    if (status) return status;
+    status = session_open(&s, o); /* what cannot be had is said before minutes of decoding */
+    if (status == 0) status = pull_apply(&changes, &f);
+    if (status == 0) status = work(&f.o, &s, start, &report);
     session_close(&s);
+    pull_close(&changes);
+    frame_options_free(&f);
     if (status == 0) status = print_report(&report);
     cJSON_Delete(report.object);
     free(report.text);

@@ -11,6 +11,7 @@
 #include "job.h"
 #include "json.h"
 #include "message.h"
+#include "metadata.h"
 
 static const double FARTHEST = 1e9; /* as the library: at and beyond it is infinitely far */
 
@@ -26,6 +27,7 @@ typedef struct contents {
     bool has_color, has_depth;
     io_error no_color, no_depth;
     depth_range range;
+    metadata lens;
 } contents;
 
 static io_picture *depth_picture(const contents *c) {
@@ -89,7 +91,8 @@ static int look(contents *c, const options *o, const io_options *reading) {
     const io_selection *near_color = c->has_color && !c->second ? &c->color : NULL;
     c->has_depth = io_select_depth(depth_picture(c), name, near_color, &c->depth, &c->no_depth) == 0;
     if (!c->has_depth && text) return fail("--depth: %s", c->no_depth.text);
-    return 0;
+    const bool asked = option_given(o, OPT_METADATA);
+    return metadata_find(&c->lens, c->input, c->has_color ? c->color.part : 0, o, option_text(o, OPT_METADATA), asked);
 }
 
 /* ------------------------------------------------------------------------- for people */
@@ -138,12 +141,26 @@ static void print_selection(const io_picture *picture, const io_selection *selec
     if (picture->part_count > 1) printf(" of part %d", selection->part);
 }
 
+static void print_lens(const metadata *lens) {
+    bool any = false;
+    for (int i = 0; i < METADATA_ITEMS; i++) {
+        const metadata_item *item = &lens->item[i];
+        if (!*item->name) continue;
+        printf("%s %s %g (", any ? "," : "lens, with --metadata:", option_table[item->id].name, item->number);
+        print_name(item->name);
+        printf("%s)", item->metres ? ", metres" : "");
+        any = true;
+    }
+    if (any) printf("\n");
+}
+
 static void print_human(const contents *c) {
     print_name(c->input->path);
     printf(": %s, %d part%s\n", io_format_name(c->input->format), c->input->part_count,
            c->input->part_count == 1 ? "" : "s");
     for (int i = 0; i < c->input->part_count; i++)
         print_part(&c->input->part[i], i);
+    print_lens(&c->lens);
     printf("colour:");
     if (c->has_color)
         print_selection(c->input, &c->color);
@@ -206,6 +223,18 @@ static cJSON *selection_object(const io_picture *picture, const io_selection *se
     return object;
 }
 
+static cJSON *lens_object(const metadata *lens) {
+    cJSON *object = cJSON_CreateObject();
+    for (int i = 0; i < METADATA_ITEMS; i++) {
+        const metadata_item *item = &lens->item[i];
+        if (!*item->name) continue;
+        cJSON *found = cJSON_AddObjectToObject(object, option_table[item->id].name);
+        json_text(found, "attribute", item->name);
+        json_number(found, "value", item->number);
+    }
+    return object;
+}
+
 static int print_json(const contents *c) {
     cJSON *object = cJSON_CreateObject(), *parts = cJSON_CreateArray(), *color = cJSON_CreateNull();
     cJSON *depth = cJSON_CreateNull();
@@ -232,6 +261,7 @@ static int print_json(const contents *c) {
         json_integer(depth, "nan", (double)c->range.holes);
     }
     cJSON_AddItemToObject(object, "depth", depth);
+    cJSON_AddItemToObject(object, "lens", lens_object(&c->lens));
     return json_finish(object);
 }
 

@@ -10,6 +10,7 @@
 
 #include "bokeh.h"
 #include "message.h"
+#include "metadata.h"
 
 /* ------------------------------------------------------------------------- files and channels */
 
@@ -262,20 +263,34 @@ static int place_focus(job *j, const options *o) {
 
 /* ------------------------------------------------------------------------- all of it */
 
-static int open_and_check(job *j, const options *o, ptrdiff_t *first) {
-    int status = lens_check_options(o);
-    if (status == 0) status = method_check_options(o);
-    if (status == 0) status = bokeh_check_options(o);
-    if (status == 0) status = iris_read(&j->iris, option_text(o, OPT_IRIS), &j->reading);
-    if (status == 0 && option_given(o, OPT_CAMERA))
+static int read_metadata(job *j, const options *o) {
+    metadata m;
+    const int status = metadata_find(&m, j->input, j->color.part, o, option_text(o, OPT_METADATA), true);
+    if (status == 0) metadata_apply(&j->file, &m, o);
+    return status;
+}
+
+/* Their headers. */
+static int open_files(job *j, const options *o, ptrdiff_t *first) {
+    int status = 0;
+    if (option_given(o, OPT_CAMERA))
         status = camera_read(&j->file, option_text(o, OPT_CAMERA), option_text(o, OPT_RENDER), o->file[0]);
     if (status == 0) status = open_input(j, o);
+    if (status == 0 && option_given(o, OPT_METADATA)) status = read_metadata(j, o);
     if (status == 0) status = open_blur(j, o);
     if (status == 0) status = check_integer_depth(j, o);
     if (status == 0 && !option_given(o, OPT_COC))
         status = lens_settings(&j->settings, o, &j->file, job_part(j)->display.width);
     if (status == 0) status = align_blur(j, o, first);
     return status;
+}
+
+static int open_and_check(job *j, const options *o, ptrdiff_t *first) {
+    int status = lens_check_options(o);
+    if (status == 0) status = method_check_options(o);
+    if (status == 0) status = bokeh_check_options(o);
+    if (status == 0) status = iris_read(&j->iris, option_text(o, OPT_IRIS), &j->reading);
+    return status ? status : open_files(j, o, first);
 }
 
 int job_open(job *j, const options *o, const io_format *rewrite) {
@@ -296,6 +311,31 @@ int job_open(job *j, const options *o, const io_format *rewrite) {
     }
     if (status) job_close(j);
     return status;
+}
+
+int job_open_depth(job *j, const options *o) {
+    *j = (job){.reading.threads = (int)option_number(o, OPT_THREADS, 0)};
+    ptrdiff_t first = 0;
+    int status = lens_check_options(o);
+    if (status == 0) status = open_files(j, o, &first);
+    if (status == 0) status = describe_color(j);
+    j->frame.depth = (ddof_image){.width = j->frame.color.width, .height = j->frame.color.height, .channels = 1};
+    j->frame.color = (ddof_image){0};
+    if (status) job_close(j);
+    return status;
+}
+
+int job_read_depth(job *j, const options *o, int row, int rows) {
+    io_error error = {0};
+    ptrdiff_t first = 0;
+    int status = align_blur(j, o, &first);
+    const io_channel *channel = blur_channel(j);
+    const int from = row + (int)(first / channel->width);
+    const char *name = channel->name;
+    io_picture *picture = j->second ? j->second : j->input;
+    if (status == 0 && io_read_rows(picture, j->blur.part, &name, 1, from, rows, &error))
+        status = fail("%s", error.text);
+    return status ? status : describe_blur(j, o, first);
 }
 
 void job_close(job *j) {

@@ -33,6 +33,10 @@ typedef struct job {
 /* Opens and reads everything the options name. `rewrite`: when IN is of this format, the rest of its colour part is
  * read too, to be written again; NULL: never. On failure everything is closed. Returns 0 or an exit code. */
 int job_open(job *j, const options *o, const io_format *rewrite);
+/* The depth alone, for autofocus: of `frame` the size of the depth and its place in the picture are filled in, then some of its
+ * rows (where the file's format lets them be read by themselves, the others are 0). */
+int job_open_depth(job *j, const options *o);
+int job_read_depth(job *j, const options *o, int row, int rows);
 void job_close(job *j);
 
 const io_part *job_part(const job *j); /* IN's part with the colour */

@@ -3,6 +3,8 @@
 
 #include "json.h"
 
+#include <ctype.h>
+#include <errno.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -10,6 +12,8 @@
 #include <string.h>
 
 #include "message.h"
+
+enum { LARGEST_FILE = 16 << 20 }; /* bytes; some ten thousand frames */
 
 static atomic_bool out_of_memory;
 
@@ -87,4 +91,64 @@ int json_finish(cJSON *object) {
 
 int json_line(cJSON *object) {
     return print_object(object, true);
+}
+
+/* ------------------------------------------------------------------------- files */
+
+static int read_text(const char *path, const char *option, char **text, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return fail("%s: %s; give --%s a file that can be read", path, strerror(errno), option);
+    size_t room = 4096, used = 0;
+    *text = NULL;
+    for (;;) {
+        char *larger = realloc(*text, room);
+        if (!larger) {
+            fclose(file);
+            return fail("%s: out of memory", path);
+        }
+        *text = larger;
+        used += fread(*text + used, 1, room - used, file);
+        if (used < room || room > LARGEST_FILE) break;
+        room *= 2;
+    }
+    bool bad = ferror(file);
+    int reason = errno;
+    fclose(file);
+    if (bad) return fail("%s: %s; give --%s a file that can be read", path, strerror(reason), option);
+    if (used > LARGEST_FILE) return fail("%s: larger than %d MiB; give --%s a smaller file", path, LARGEST_FILE >> 20, option);
+    *size = used;
+    return 0;
+}
+
+static int fail_syntax(const char *path, const char *text, const char *at) {
+    int line = 1, column = 1;
+    for (const char *c = text; c < at; c++) {
+        line += *c == '\n';
+        column = *c == '\n' ? 1 : column + 1;
+    }
+    return fail("%s: line %d, column %d: not valid JSON; correct it there", path, line, column);
+}
+
+int json_read(cJSON **root, const char *path, const char *option, const char *begins) {
+    char *text = NULL;
+    size_t size = 0;
+    int status = read_text(path, option, &text, &size);
+    if (status == 0) {
+        const char *end = text;
+        *root = cJSON_ParseWithLengthOpts(text, size, &end, false);
+        /* only blanks may follow; asking cJSON for that would read a byte past the end */
+        while (*root && end < text + size && isspace((unsigned char)*end))
+            end++;
+        if (!*root || end < text + size) {
+            status = json_out_of_memory() ? fail("%s: out of memory", path) : fail_syntax(path, text, end);
+            cJSON_Delete(*root);
+            *root = NULL;
+        } else if (!cJSON_IsObject(*root)) {
+            status = fail("%s: not a JSON object; the file of --%s begins with %s", path, option, begins);
+            cJSON_Delete(*root);
+            *root = NULL;
+        }
+    }
+    free(text);
+    return status;
 }

@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* The JSON objects the commands print. Members are never removed or renamed, only added. */
+/* The JSON objects the commands print, of which members are never removed or renamed, only added; and reading those that
+ * options name. */
 #ifndef TOOLS_JSON_H
 #define TOOLS_JSON_H
 
@@ -23,5 +24,9 @@ cJSON *json_text_item(const char *text);
 int json_finish(cJSON *object);
 /* The same in one line, at once: one of several objects. */
 int json_line(cJSON *object);
+
+/* Reads the file of an option: one JSON object, of at most 16 MiB. `begins`: how such a file begins, for the message. Free
+ * *root with cJSON_Delete(). Returns 0 or an exit code. */
+int json_read(cJSON **root, const char *path, const char *option, const char *begins);
 
 #endif

@@ -26,10 +26,11 @@ static int refuse_without(const options *o, option_id needing, option_id needed)
 }
 
 int lens_check_options(const options *o) {
-    static const option_id with_depth_only[] = {OPT_DEPTH,   OPT_DEPTH_KIND,   OPT_NEAR,         OPT_FAR,
-                                                OPT_CAMERA,  OPT_FOCAL_LENGTH, OPT_SENSOR_WIDTH, OPT_FSTOP,
-                                                OPT_UNIT,    OPT_FOCUS,        OPT_FOCUS_AT,     OPT_FOCUS_RANGE,
-                                                OPT_MAX_COC, OPT_MAX_COC_NEAR, OPT_MAX_COC_FAR};
+    static const option_id with_depth_only[] = {OPT_ANIMATE,      OPT_AUTOFOCUS,    OPT_METADATA,    OPT_DEPTH,
+                                                OPT_DEPTH_KIND,   OPT_NEAR,         OPT_FAR,         OPT_CAMERA,
+                                                OPT_FOCAL_LENGTH, OPT_SENSOR_WIDTH, OPT_FSTOP,       OPT_UNIT,
+                                                OPT_FOCUS,        OPT_FOCUS_AT,     OPT_FOCUS_RANGE, OPT_MAX_COC,
+                                                OPT_MAX_COC_NEAR, OPT_MAX_COC_FAR};
     int status = 0;
     for (size_t i = 0; status == 0 && i < sizeof with_depth_only / sizeof *with_depth_only; i++)
         status = refuse_pair(o, OPT_COC, with_depth_only[i]);
@@ -105,7 +106,9 @@ static int choose_kind(ddof_settings *settings, const options *o, const camera *
 }
 
 static int focus_settings(ddof_lens *lens, const options *o, const camera *file) {
-    if (option_given(o, OPT_FOCUS_AT)) {
+    const bool is_found = option_given(o, OPT_AUTOFOCUS), known = option_given(o, OPT_FOCUS);
+    const char *name = option_name(is_found ? OPT_AUTOFOCUS : OPT_FOCUS);
+    if (option_given(o, OPT_FOCUS_AT) || (is_found && !known)) { /* or it is being found, see autofocus.c */
         lens->focus = DDOF_FOCUS_PIXEL;
         return 0;
     }
@@ -114,12 +117,16 @@ static int focus_settings(ddof_lens *lens, const options *o, const camera *file)
         return fail_usage("--focus: missing; give the focus distance (--focus 3.2) or a pixel to focus on "
                           "(--focus-at 50%%,50%%)");
     if (lens->kind == DDOF_LENS_ARTIST && isinf(lens->focus_distance))
-        return fail_usage("--focus: inf needs a lens; give --fstop and --focal-length, or a finite distance");
+        return fail_usage("--%s: inf needs a lens; give --fstop and --focal-length, or a finite distance", name);
     if (lens->kind == DDOF_LENS_THIN && lens->focus_distance * lens->unit <= lens->focal_length)
-        return fail_usage("--focus: %g (%g mm) lies inside the focal length of %g mm; focus farther away, or correct "
+        return fail_usage("--%s: %g (%g mm) lies inside the focal length of %g mm; focus farther away, or correct "
                           "--unit",
-                          lens->focus_distance, lens->focus_distance * lens->unit, lens->focal_length);
+                          name, lens->focus_distance, lens->focus_distance * lens->unit, lens->focal_length);
     return 0;
+}
+
+double lens_unit(const options *o, const camera *file) {
+    return option_number(o, OPT_UNIT, file->unit > 0 ? file->unit : DEFAULT_UNIT);
 }
 
 int lens_settings(ddof_settings *settings, const options *o, const camera *file, int picture_width) {
@@ -133,7 +140,7 @@ int lens_settings(ddof_settings *settings, const options *o, const camera *file,
     lens->sensor_width =
         option_number(o, OPT_SENSOR_WIDTH, file->sensor_width > 0 ? file->sensor_width : DEFAULT_SENSOR_WIDTH);
     lens->f_number = option_number(o, OPT_FSTOP, file->f_number);
-    lens->unit = option_number(o, OPT_UNIT, file->unit > 0 ? file->unit : DEFAULT_UNIT);
+    lens->unit = lens_unit(o, file);
     lens->in_focus_range = option_number(o, OPT_FOCUS_RANGE, 0);
     blur_settings(lens, o, picture_width);
     return focus_settings(lens, o, file);

@@ -17,6 +17,9 @@ int lens_check_options(const options *o);
  * Returns 0 or an exit code. */
 int lens_settings(ddof_settings *settings, const options *o, const camera *file, int picture_width);
 
+/* Millimetres in one unit of the depth. */
+double lens_unit(const options *o, const camera *file);
+
 /* Options of the method that exclude each other. Returns 0 or an exit code. */
 int method_check_options(const options *o);
 

@@ -152,8 +152,7 @@ static int read_scalar(const option_spec *spec, const char *text, option_value *
     return check_range(spec, value->number, text);
 }
 
-/* "12", "12.5" or "3%". */
-static bool read_extent(const char *text, const char *end, double *number, bool *percent) {
+bool read_extent(const char *text, const char *end, double *number, bool *percent) {
     if (!end) end = text + strlen(text);
     *percent = end > text && end[-1] == '%';
     return read_number(text, *percent ? end - 1 : end, false, number);

@@ -42,6 +42,10 @@ typedef enum option_id {
     OPT_FOCUS,
     OPT_FOCUS_AT,
     OPT_FOCUS_RANGE,
+    OPT_AUTOFOCUS,
+    OPT_FOCUS_SMOOTH,
+    OPT_ANIMATE,
+    OPT_METADATA,
     OPT_MAX_COC,
     OPT_MAX_COC_NEAR,
     OPT_MAX_COC_FAR,
@@ -159,6 +163,9 @@ void option_range_text(const option_spec *spec, char *text, size_t size);
 
 /* Strict: the whole text, no blanks, no NaN, no hexadecimal. `end` of a part of a text, or NULL for all of it. */
 bool read_number(const char *text, const char *end, bool allow_inf, double *number);
+
+/* "12", "12.5" or "3%", as strictly. */
+bool read_extent(const char *text, const char *end, double *number, bool *percent);
 
 /* Edit distance between two words, for "did you mean". */
 int word_distance(const char *a, const char *b);

@@ -302,6 +302,19 @@ int frame_options_make(frame_options *f, const options *o, const sequence *s, in
     return 0;
 }
 
+int frame_options_set(frame_options *f, option_id id, option_value value) {
+    char *text = NULL;
+    const char *percent = value.percent ? "%" : "", *percent_y = value.percent_y ? "%" : "";
+    const bool point = option_table[id].kind == KIND_POINT;
+    const int size = point ? asprintf(&text, "%.17g%s,%.17g%s", value.number, percent, value.number_y, percent_y)
+                           : asprintf(&text, "%.17g", value.number);
+    if (size < 0) return fail("--%s: out of memory", option_table[id].name);
+    f->filled[f->count++] = text;
+    value.text = text;
+    f->o.value[id] = value;
+    return 0;
+}
+
 void frame_options_free(frame_options *f) {
     while (f->count > 0)
         free(f->filled[--f->count]);

@@ -34,10 +34,12 @@ char *sequence_file(const sequence *s, int frame);
 /* The options of one frame: every pattern filled in. `o` must outlive them. */
 typedef struct frame_options {
     options o;
-    char *filled[8];
+    char *filled[16]; /* texts of its own */
     int count;
 } frame_options;
 int frame_options_make(frame_options *f, const options *o, const sequence *s, int frame);
+/* Sets an option that is a number or a point, with a text as one would write it. Returns 0 or an exit code. */
+int frame_options_set(frame_options *f, option_id id, option_value value);
 void frame_options_free(frame_options *f);
 
 /* The last number of a file's name before its ending, "pinhole.0007.exr" -> 7; -1: none. */

@@ -13,6 +13,7 @@
 
 #include "lens.h"
 #include "message.h"
+#include "pull.h"
 #include "resume.h"
 #include "sequence.h"
 
@@ -34,6 +35,7 @@ typedef struct shot {
     const options *o;
     frame_work *work;
     sequence frames;
+    pull pull; /* what changes from frame to frame */
     double start;
     options each;     /* `o` with the threads of one frame */
     session *session; /* one for each worker */
@@ -73,6 +75,8 @@ static void make_frame(shot *s, session *own, int index, outcome *out) {
     message_keep(&out->log);
     out->status = frame_options_make(&f, &s->each, &s->frames, s->frames.frame[index]);
     out->kind = FRAME_FAILED;
+    if (out->status == 0) out->status = pull_apply(&s->pull, &f);
+    if (out->status == EXIT_INTERRUPTED) out->kind = FRAME_DROPPED;
     if (out->status == 0) {
         out->input = strdup(f.o.file[0]);
         out->output = strdup(option_text(&f.o, OPT_OUTPUT));
@@ -293,6 +297,7 @@ int shot_run(const options *o, frame_work *frame, double start) {
     signals_hold();
     pthread_mutex_init(&s.mutex, NULL);
     status = open_sessions(&s);
+    if (status == 0) status = pull_open(&s.pull, &s.each, &s.frames);
     if (status == 0) status = run_workers(&s);
     if (status == 0) status = summarise(&s);
     for (int i = 0; s.outcome && i < s.frames.count; i++)
@@ -303,6 +308,7 @@ int shot_run(const options *o, frame_work *frame, double start) {
     free(s.session);
     free(s.outcome);
     free(s.failed);
+    pull_close(&s.pull);
     sequence_close(&s.frames);
     return status;
 }

@@ -74,6 +74,43 @@ static void test_every_compression_type_and_size(void **state) {
                 }
 }
 
+/* Some rows of Z are those of the whole; the first row, in another chunk when there are several, was left alone. */
+static void check_rows(const char *path, const char *name, int row, int rows, bool first_left_out) {
+    io_picture *whole = read_picture(path), *part = open_picture(path);
+    const io_channel *all = channel_of(whole, 0, name);
+    io_error error = {0};
+    if (io_read_rows(part, 0, &name, 1, row, rows, &error) != 0) fail_msg("%s", error.text);
+    const io_channel *some = channel_of(part, 0, name);
+    const size_t line = (size_t)all->width * io_type_size(all->type);
+    assert_non_null(some->data);
+    assert_memory_equal((char *)some->data + line * (size_t)row, (char *)all->data + line * (size_t)row, line * (size_t)rows);
+    if (first_left_out)
+        for (size_t i = 0; i < line; i++)
+            assert_int_equal(((unsigned char *)some->data)[i], 0);
+    io_close(&whole);
+    io_close(&part);
+}
+
+static void test_some_rows(void **state) {
+    (void)state;
+    for (int compression = NONE; compression <= B44A; compression++)
+        for (int tile = 0; tile <= 24; tile += 24) {
+            exr_spec spec = {.compression = compression,
+                             .tile = tile,
+                             .data = {-7, -33, 37, 165},
+                             .display = {0, 0, 64, 48},
+                             .channels = four,
+                             .channel_count = 4};
+            const char *path = in_folder("rows.exr");
+            make_exr(path, &spec, 1);
+            check_rows(path, "Z", 0, 165, false);
+            check_rows(path, "Z", 0, 1, false);
+            check_rows(path, "Z", 63, 2, true);
+            check_rows(path, "Z", 95, 33, true);
+            check_rows(path, "Z", 164, 1, true);
+        }
+}
+
 static void test_many_channels(void **state) {
     static char names[30][260];
     exr_channel_spec channels[30];
@@ -375,6 +412,21 @@ static void test_dwa(void **state) {
     check_fixture("dwaa mipmap", "ZIP was used", "compression,tiles,chunkCount");
 }
 
+static void test_some_rows_of_dwa(void **state) {
+    static const char *const kinds[] = {"dwaa scanline", "dwab scanline", "dwaa tiled"};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const char *path = in_folder("rows.exr");
+        if (make_fixture(kinds[i], path) == 0) skip();
+        io_picture *picture = open_picture(path);
+        const int height = channel_of(picture, 0, "R")->height;
+        io_close(&picture);
+        check_rows(path, "R", 0, 1, false);
+        check_rows(path, "R", height / 2, 3, false);
+        check_rows(path, "R", height - 1, 1, false);
+    }
+}
+
 static void test_levels(void **state) {
     (void)state;
     check_fixture("zip mipmap", "smaller levels", "tiles,chunkCount");
@@ -447,6 +499,7 @@ static void test_sample_pictures(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_compression_type_and_size),
+        cmocka_unit_test(test_some_rows),
         cmocka_unit_test(test_many_channels),
         cmocka_unit_test(test_subsampled_channels),
         cmocka_unit_test(test_line_orders),
@@ -459,6 +512,7 @@ int main(void) {
         cmocka_unit_test(test_threads_do_not_matter),
         cmocka_unit_test(test_new_picture),
         cmocka_unit_test(test_dwa),
+        cmocka_unit_test(test_some_rows_of_dwa),
         cmocka_unit_test(test_levels),
         cmocka_unit_test(test_reference_subsampling),
         cmocka_unit_test(test_reference_tiles),

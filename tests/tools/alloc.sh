@@ -111,6 +111,13 @@ z="--depth $work/z.png --depth-kind inverse"
 survives "PNG, depth of a PNG" "$o.png" "$DDOF" render "$work/in.png" -o "$o.png" $blur $z -q
 survives "PFM" "$o.pfm" "$DDOF" render "$work/in.pfm" -o "$o.pfm" $blur --depth "$work/in.exr" -q
 survives "camera file" "$o.exr" "$DDOF" render "$work/in.exr" -o "$o.exr" --threads 1 --camera "$work/scene.json" -q
+printf '{"focus": [[1, 3], [9, 4]], "fstop": [[1, 2]]}' >"$work/keys.json"
+survives "keyframes" "$o.exr" "$DDOF" render "$work/in.exr" -o "$o.exr" --threads 1 --animate "$work/keys.json" -q
+survives "autofocus" "$o.exr" "$DDOF" render "$work/in.exr" -o "$o.exr" --threads 1 --fstop 2 --autofocus 3,3,4x4 -q
+cp "$work/in.exr" "$work/lens.exr"
+"$FIXTURE" attribute "$work/lens.exr" focus float 4
+"$FIXTURE" attribute "$work/lens.exr" aperture float 2
+survives "metadata" "$o.exr" "$DDOF" render "$work/lens.exr" -o "$o.exr" --threads 1 --metadata auto -q
 survives "disc, layers, holdout, iris of a picture" "$o.exr" "$DDOF" render "$work/in.exr" -o "$o.exr" $blur -q --kernel disc --layers auto \
     --holdout :mask --bokeh highlights --bokeh-threshold 0.4 --iris "image=$work/z.png"
 survives "scatter" "$o.exr" "$DDOF" render "$work/in.exr" -o "$o.exr" $blur -q --method scatter

@@ -17,6 +17,8 @@
  *
  * fixture header FILE WIDTH HEIGHT: the header of an EXR file without any pixels
  *
+ * fixture attribute FILE NAME float|double|int|rational|string VALUE: into the header of an EXR file with one part; rational: N/D
+ *
  * fixture json KEY... < TEXT: values of an object's members ("a.b" goes down), one a line; fails when one is not there
  */
 #include <cjson/cJSON.h>
@@ -195,6 +197,79 @@ static int header(int count, char **word) {
     return fclose(file);
 }
 
+/* ------------------------------------------------------------------------- one more attribute */
+
+enum { LARGEST_EXR = 1 << 24 };
+
+static unsigned long long get_bytes(const unsigned char *at, int size) {
+    unsigned long long value = 0;
+    for (int i = size; i-- > 0;)
+        value = value << 8 | at[i];
+    return value;
+}
+
+static void put_bytes(unsigned char *at, int size, unsigned long long value) {
+    for (int i = 0; i < size; i++)
+        at[i] = (unsigned char)(value >> 8 * i);
+}
+
+/* The bytes of a value; returns how many. */
+static int encode(const char *type, const char *text, unsigned char *out) {
+    const float single = strtof(text, NULL);
+    const double number = strtod(text, NULL);
+    const char *slash = strchr(text, '/');
+    if (strcmp(type, "string") == 0) {
+        memcpy(out, text, strlen(text));
+        return (int)strlen(text);
+    }
+    if (strcmp(type, "double") == 0) {
+        memcpy(out, &number, 8);
+        return 8;
+    }
+    if (strcmp(type, "float") == 0)
+        memcpy(out, &single, 4);
+    else
+        put_bytes(out, 4, (unsigned long long)atoll(text));
+    if (strcmp(type, "rational") == 0) put_bytes(out + 4, 4, (unsigned long long)atoll(slash ? slash + 1 : "1"));
+    return strcmp(type, "rational") == 0 ? 8 : 4;
+}
+
+/* Where the header's last byte, a 0, is. */
+static size_t header_end(const unsigned char *file) {
+    size_t at = 8;
+    while (file[at]) {
+        at += strlen((const char *)file + at) + 1;
+        at += strlen((const char *)file + at) + 1;
+        at += 4 + (size_t)get_bytes(file + at, 4);
+    }
+    return at;
+}
+
+static int attribute(int count, char **word) {
+    static unsigned char file[LARGEST_EXR], made[LARGEST_EXR];
+    if (count < 4) die("attribute", "too few arguments");
+    FILE *in = fopen(word[0], "rb");
+    if (!in) die("cannot read", word[0]);
+    const size_t size = fread(file, 1, LARGEST_EXR - 4096, in), end = header_end(file);
+    fclose(in);
+    unsigned char *out = made + end;
+    memcpy(made, file, end);
+    out += strlen(strcpy((char *)out, word[1])) + 1;
+    out += strlen(strcpy((char *)out, word[2])) + 1;
+    const int length = encode(word[2], word[3], out + 4);
+    put_bytes(out, 4, (unsigned long long)length);
+    out += 4 + length;
+    const size_t more = (size_t)(out - made) - end;
+    memcpy(out, file + end, size - end);
+    /* the table of chunks, up to the first of them, says where each lies in the file */
+    const size_t first = (size_t)get_bytes(file + end + 1, 8);
+    for (size_t at = end + 1; at < first; at += 8)
+        put_bytes(made + at + more, 8, get_bytes(file + at, 8) + more);
+    FILE *written = fopen(word[0], "wb");
+    if (!written || fwrite(made, 1, size + more, written) != size + more) die("cannot write", word[0]);
+    return fclose(written);
+}
+
 /* ------------------------------------------------------------------------- JSON */
 
 static int json(int count, char **key) {
@@ -227,6 +302,7 @@ int main(int count, char **word) {
     if (strcmp(what, "range") == 0) return look(count, word, true, IO_COLOR);
     if (strcmp(what, "same") == 0) return same(count, word);
     if (strcmp(what, "header") == 0) return header(count, word);
+    if (strcmp(what, "attribute") == 0) return attribute(count, word);
     if (strcmp(what, "json") == 0) return json(count, word);
     return die("unknown", what);
 }
