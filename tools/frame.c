@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "message.h"
+#include "scratch.h"
 #include "sequence.h"
 #include "shot.h"
 
@@ -36,9 +37,11 @@ int frame_run(const options *o, frame_work *work, double start) {
     session s = {0};
     frame_report report = {0};
     int status = check_single(o);
+    if (status == 0) status = scratch_open(o, 1);
     if (status == 0) status = session_open(&s, o); /* what cannot be had is said before minutes of decoding */
     if (status == 0) status = work(o, &s, start, &report);
     session_close(&s);
+    scratch_close();
     if (status == 0) status = print_report(&report);
     cJSON_Delete(report.object);
     free(report.text);
