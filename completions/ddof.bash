@@ -6,12 +6,12 @@
 _ddof_options() {
     local blur="--layer --depth --depth-kind --near --far --coc --coc-scale --camera --render --focal-length
         --sensor-width --fstop --unit --focus --focus-at --focus-range --autofocus --focus-smooth --animate --metadata --max-coc --max-coc-near --max-coc-far"
-    local engine="--threads --backend --device --cpu" gpu="--solver --surface --shared-chain"
+    local engine="--threads --backend --device --cpu" memory="--max-memory --scratch" gpu="--solver --surface --shared-chain"
     local bokeh="--bokeh --iris --bokeh-threshold --bokeh-limit --max-sprites --max-sprite-area --bokeh-resolution"
     local shot="--frames --resume --keep-going --in-flight" report="--quiet --json --help"
     case $1 in
-        render) echo "--output $shot $blur --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $engine $gpu $report" ;;
-        coc) echo "--output $shot $blur --exposure $engine $report" ;;
+        render) echo "--output $shot $blur --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $memory $engine $gpu $report" ;;
+        coc) echo "--output $shot $blur --exposure $memory $engine $report" ;;
         info) echo "--layer --depth --metadata --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
         bench) echo "--size --runs --type --layout --channels --in-place --coc --depth --table --format --reference
@@ -74,6 +74,8 @@ _ddof_value() {
         --type) choices="float half" ;;
         --layout) choices="interleaved planar" ;;
         --size) choices="1280x720 1600x1200 1920x1080 3840x2160" ;;
+        --max-memory) choices="512M 2G 8G" ;;
+        --scratch) compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -d -- "$3"); return 0 ;;
         --camera | --animate) _ddof_files 'json' "$3"; return 0 ;;
         --preview) _ddof_files 'png' "$3"; return 0 ;;
         -o | --output | --mask | --holdout) _ddof_files "$pictures" "$3"; return 0 ;;

@@ -369,6 +369,7 @@ static int parse_part(parser *p, io_picture *picture, io_exr_source *source, io_
     io_exr_place_chunk(part, layout, 0, &largest);
     if (!layout->deep && largest.unpacked > INT32_MAX)
         return io_fail(p->error, "%s: its tiles or blocks of rows are larger than 2 GiB; the file is damaged", p->path);
+    part->chunk_bytes = largest.unpacked;
     return check_plausible(p, source, part, layout);
 }
 

@@ -83,16 +83,22 @@ static int make_plain_file(const io_picture *picture, int index, const io_exr_ch
                            io_error *error) {
     const io_exr_source *source = io_exr_source_of(picture);
     const io_exr_part *layout = &source->part[index];
-    io_bytes_append32(file, IO_EXR_MAGIC);
-    io_bytes_append32(file, IO_EXR_VERSION | IO_EXR_FLAG_LONG_NAMES | (layout->tiled ? IO_EXR_FLAG_TILED : 0));
-    io_exr_plain_header(file, &picture->part[index], layout, &picture->part[index].data, 1);
-    uint64_t at = file->size + 8 * (uint64_t)layout->flat_count, end = at;
+    io_bytes header = {0};
+    io_bytes_append32(&header, IO_EXR_MAGIC);
+    io_bytes_append32(&header, IO_EXR_VERSION | IO_EXR_FLAG_LONG_NAMES | (layout->tiled ? IO_EXR_FLAG_TILED : 0));
+    io_exr_plain_header(&header, &picture->part[index], layout, &picture->part[index].data, 1);
+    uint64_t at = header.size + 8 * (uint64_t)layout->flat_count, end = at;
     size_t leader = layout->tiled ? 20 : 8;
     for (int i = 0; i < layout->flat_count; i++)
         end += leader + chunks[i].packed;
-    unsigned char *data = file->failed ? NULL : realloc(file->data, (size_t)end);
-    if (!data) return io_fail(error, "%s: not enough memory", picture->path);
+    if (header.failed) io_fail(error, "%s: not enough memory", picture->path);
+    unsigned char *data =
+        header.failed ? NULL : io_block_allocate(&source->options, (size_t)end, error, picture->path);
+    if (data) memcpy(data, header.data, header.size);
+    free(header.data);
+    if (!data) return -1;
     file->data = data;
+    file->size = header.size;
     for (int i = 0; i < layout->flat_count; i++) {
         io_put64(data + file->size + 8 * (size_t)i, at);
         if (layout->tiled) {
@@ -169,7 +175,7 @@ static int read_dwa(const io_picture *picture, int index, const io_part *part, c
     }
     if (result == 0) result = make_plain_file(picture, index, chunks, &file, error);
     if (result == 0) result = read_bands(&r, picture, layout, error);
-    free(file.data);
+    io_block_release(&io_exr_source_of(picture)->options, file.data);
     free(slices);
     return result;
 }
@@ -200,9 +206,10 @@ int io_exr_read_part(const io_picture *picture, int index, io_part *part, const 
     uint64_t bytes = 0;
     for (int i = 0; i < part->channel_count; i++)
         if (wanted[i]) bytes += channel_bytes(&part->channel[i]);
-    int result = io_check_memory(picture->path, bytes, error);
+    const io_memory *memory = picture->memory;
+    int result = memory ? 0 : io_check_memory(picture->path, bytes, error);
     for (int i = 0; result == 0 && i < part->channel_count; i++)
-        if (wanted[i]) result = io_channel_allocate(&part->channel[i], error, picture->path);
+        if (wanted[i]) result = io_channel_allocate(&part->channel[i], memory, error, picture->path);
     if (result == 0) result = (dwa ? read_dwa : read_flat)(picture, index, part, wanted, chunks, error);
     for (int i = 0; result != 0 && i < part->channel_count; i++)
         if (wanted[i]) io_channel_release(&part->channel[i]);

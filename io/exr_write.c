@@ -237,10 +237,12 @@ typedef struct encoding {
     io_exr_codec *codec;
     packed_chunk *packed; /* by position in the file */
     int written;          /* positions below are in the file */
+    int ahead;            /* positions that may be packed before those are written */
     bool writing;         /* one thread is at it */
     bool no_memory;
     atomic_int next;
-    pthread_mutex_t mutex; /* of all the above but `next` */
+    pthread_mutex_t mutex;  /* of all the above but `next` */
+    pthread_cond_t advance; /* of `written` */
 } encoding;
 
 static void put_chunk(encoding *e, const packed_chunk *packed, int position) {
@@ -283,10 +285,23 @@ static void hand_in(encoding *e, int position, packed_chunk packed) {
             pthread_mutex_lock(&e->mutex);
             e->packed[at].data = NULL;
             e->written++;
+            pthread_cond_broadcast(&e->advance);
         }
         e->writing = false;
     }
+    if (e->no_memory) pthread_cond_broadcast(&e->advance);
     pthread_mutex_unlock(&e->mutex);
+}
+
+/* A disk slower than the compression would otherwise leave the picture in memory once more. Whoever has the next position
+ * in line never waits. */
+static bool await_turn(encoding *e, int position) {
+    pthread_mutex_lock(&e->mutex);
+    while (position >= e->written + e->ahead && !e->no_memory)
+        pthread_cond_wait(&e->advance, &e->mutex);
+    const bool go_on = !e->no_memory;
+    pthread_mutex_unlock(&e->mutex);
+    return go_on;
 }
 
 static void encode_chunks(void *data, int unused) {
@@ -296,6 +311,7 @@ static void encode_chunks(void *data, int unused) {
     io_exr_worker *worker = io_exr_worker_open(e->codec);
     for (int position; (position = atomic_fetch_add(&e->next, 1)) < out->layout.chunk_count;) {
         io_exr_chunk chunk;
+        if (!await_turn(e, position)) break;
         io_exr_place_chunk(&out->part, &out->layout, io_exr_chunk_at(&out->layout, position), &chunk);
         const unsigned char *packed = worker ? io_exr_pack(worker, &chunk) : NULL;
         packed_chunk kept = {packed ? malloc((size_t)chunk.packed + 1) : NULL, (size_t)chunk.packed};
@@ -316,13 +332,15 @@ static int encode_part(output *o, int index) {
                        "%s: one block of rows is larger than 2 GiB, which EXR cannot hold; use another "
                        "compression or smaller tiles",
                        o->path);
-    encoding e = {.o = o, .index = index, .packed = calloc((size_t)count, sizeof *e.packed)};
+    encoding e = {.o = o, .index = index, .ahead = 2 * o->threads, .packed = calloc((size_t)count, sizeof *e.packed)};
     if (!e.packed) return io_fail(o->error, "%s: not enough memory", o->path);
     e.codec = io_exr_codec_open(o->path, &out->part, &out->layout, true, o->error);
     int result = e.codec ? 0 : -1;
     if (result == 0) {
         pthread_mutex_init(&e.mutex, NULL);
+        pthread_cond_init(&e.advance, NULL);
         io_parallel(o->threads, o->threads < count ? o->threads : count, encode_chunks, &e);
+        pthread_cond_destroy(&e.advance);
         pthread_mutex_destroy(&e.mutex);
         if (e.no_memory) result = io_fail(o->error, "%s: not enough memory", o->path);
     }

@@ -56,10 +56,14 @@ FILE *io_open_temporary_stream(const char *name);
 /* A part with channels, appended to the picture; NULL when out of memory. Names are copied. */
 io_part *io_add_part(io_picture *picture, const char *name, const char *view, io_box data, io_box display);
 io_channel *io_add_channel(io_part *part, const char *name, io_type type, int x_sampling, int y_sampling);
-/* Allocates a channel's data (64-byte aligned, zeroed). */
-int io_channel_allocate(io_channel *channel, io_error *error, const char *path);
+/* Allocates a channel's data (64-byte aligned, zeroed). memory NULL: the process's own. */
+int io_channel_allocate(io_channel *channel, const io_memory *memory, io_error *error, const char *path);
 /* Frees a channel's data, which was made by io_channel_allocate (free() will not do). */
 void io_channel_release(io_channel *channel);
+/* A zeroed block for what is as large as a picture or a strip of one; NULL with the line in `error`. `options` may be
+ * NULL. */
+void *io_block_allocate(const io_options *options, size_t bytes, io_error *error, const char *path);
+void io_block_release(const io_options *options, void *block);
 /* Refuses width x height beyond options->max_pixels or outside 1..2^20 a side. */
 int io_check_size(const char *path, int64_t width, int64_t height, const io_options *options, io_error *error);
 

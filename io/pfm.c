@@ -114,6 +114,7 @@ static int read_header(io_picture *picture, FILE *file, io_error *error) {
         if (io_add_channel(part, channels == 1 ? "Y" : rgb[c], IO_FLOAT, 1, 1) == NULL) part = NULL;
     if (part == NULL) return io_fail(error, "%s: not enough memory", path);
     part->bits = 32;
+    part->chunk_bytes = (uint64_t)width * (uint64_t)channels * 4;
     return 0;
 }
 
@@ -174,7 +175,7 @@ static int read_pfm(io_picture *picture, int part_index, const char *const *name
     bool wanted[4] = {false}, any = false;
     for (int c = 0; c < part->channel_count; c++) {
         if (part->channel[c].data != NULL || !io_name_wanted(part->channel[c].name, names, name_count)) continue;
-        if (io_channel_allocate(&part->channel[c], error, picture->path) < 0) return -1;
+        if (io_channel_allocate(&part->channel[c], picture->memory, error, picture->path) < 0) return -1;
         wanted[c] = any = true;
     }
     if (!any) return 0;

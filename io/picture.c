@@ -103,18 +103,32 @@ io_channel *io_add_channel(io_part *part, const char *name, io_type type, int x_
     return channel;
 }
 
-int io_channel_allocate(io_channel *channel, io_error *error, const char *path) {
+/* Lies right before a channel's data. */
+typedef struct data_origin {
+    void *block;
+    const io_memory *memory; /* NULL: calloc */
+} data_origin;
+
+static data_origin origin_of(const io_channel *channel) {
+    data_origin origin;
+    memcpy(&origin, (const unsigned char *)channel->data - sizeof origin, sizeof origin);
+    return origin;
+}
+
+int io_channel_allocate(io_channel *channel, const io_memory *memory, io_error *error, const char *path) {
     enum { ALIGNMENT = 64 };
     size_t bytes = (size_t)channel->width * (size_t)channel->height * io_type_size(channel->type);
-    /* calloc, and not aligned_alloc and memset: large blocks come from the system as zeroes, at no cost until used.
-     * The pointer to free lies right before the data. */
-    unsigned char *block = calloc(1, bytes + 2 * ALIGNMENT);
+    /* calloc, and not aligned_alloc and memset: large blocks come from the system as zeroes, at no cost until used. */
+    unsigned char *block = memory ? memory->allocate(memory->user, bytes + 2 * ALIGNMENT, error)
+                                  : calloc(1, bytes + 2 * ALIGNMENT);
+    if (!block && memory) return -1;
     if (!block)
         return io_fail(error, "%s: not enough memory for channel '%s' (%zu MiB); close other programs or use a proxy",
                        path, channel->name, bytes >> 20);
+    const data_origin origin = {block, memory};
     unsigned char *data = block + ALIGNMENT;
     data += (ALIGNMENT - (uintptr_t)data % ALIGNMENT) % ALIGNMENT;
-    memcpy(data - sizeof block, &block, sizeof block);
+    memcpy(data - sizeof origin, &origin, sizeof origin);
     io_channel_release(channel);
     channel->data = data;
     return 0;
@@ -122,10 +136,27 @@ int io_channel_allocate(io_channel *channel, io_error *error, const char *path) 
 
 void io_channel_release(io_channel *channel) {
     if (!channel->data) return;
-    void *block;
-    memcpy(&block, (unsigned char *)channel->data - sizeof block, sizeof block);
-    free(block);
+    const data_origin origin = origin_of(channel);
+    if (origin.memory)
+        origin.memory->release(origin.memory->user, origin.block);
+    else
+        free(origin.block);
     channel->data = NULL;
+}
+
+void *io_block_allocate(const io_options *options, size_t bytes, io_error *error, const char *path) {
+    const io_memory *memory = options ? options->memory : NULL;
+    void *block = memory ? memory->allocate(memory->user, bytes, error) : calloc(1, bytes);
+    if (!block && !memory) io_fail(error, "%s: not enough memory (%zu MiB)", path, bytes >> 20);
+    return block;
+}
+
+void io_block_release(const io_options *options, void *block) {
+    const io_memory *memory = options ? options->memory : NULL;
+    if (memory && block)
+        memory->release(memory->user, block);
+    else
+        free(block);
 }
 
 int io_check_size(const char *path, int64_t width, int64_t height, const io_options *options, io_error *error) {
@@ -275,6 +306,7 @@ int io_open(io_picture **picture, const char *path, io_meaning meaning, const io
         close(file);
         return -1;
     }
+    if (options) opened->memory = options->memory;
     opened->file = file; /* io_close's from here on */
     int result = take_stamp(file, &opened->stamp) ? handler->open(opened, meaning, options ? options : &defaults, error)
                                                   : io_fail(error, "%s: cannot be read: %s", path, strerror(errno));
@@ -290,7 +322,7 @@ int io_open(io_picture **picture, const char *path, io_meaning meaning, const io
 static int check_wanted(const io_picture *picture, const io_part *part, const char *const *names, int name_count,
                         io_error *error) {
     uint64_t bytes = 0;
-    for (int i = 0; i < part->channel_count; i++) {
+    for (int i = 0; !picture->memory && i < part->channel_count; i++) {
         const io_channel *channel = &part->channel[i];
         if (!channel->data && io_name_wanted(channel->name, names, name_count))
             bytes += (uint64_t)channel->width * (uint64_t)channel->height * io_type_size(channel->type);
@@ -322,6 +354,11 @@ int io_read(io_picture *picture, io_error *error) {
 
 int io_create(io_picture **picture, io_format format, int width, int height, const char *const *names, int name_count,
               io_type type, int bits, io_meaning meaning, io_error *error) {
+    return io_create_in(picture, format, width, height, names, name_count, type, bits, meaning, NULL, error);
+}
+
+int io_create_in(io_picture **picture, io_format format, int width, int height, const char *const *names,
+                 int name_count, io_type type, int bits, io_meaning meaning, const io_memory *memory, io_error *error) {
     *picture = NULL;
     io_picture *made = new_picture("new picture", format, error);
     if (!made) return -1;
@@ -335,7 +372,7 @@ int io_create(io_picture **picture, io_format format, int width, int height, con
             part = NULL;
         } else {
             channel->modified = true;
-            if (io_channel_allocate(channel, error, made->path) != 0) goto failed;
+            if (io_channel_allocate(channel, memory, error, made->path) != 0) goto failed;
         }
     }
     if (!part) {
@@ -360,7 +397,8 @@ void io_channel_modified(io_channel *channel) {
 int io_channel_retype(io_channel *channel, io_type type, io_error *error) {
     io_type old = channel->type;
     channel->type = type;
-    if (io_channel_allocate(channel, error, channel->name) != 0) {
+    const io_memory *memory = channel->data ? origin_of(channel).memory : NULL;
+    if (io_channel_allocate(channel, memory, error, channel->name) != 0) {
         channel->type = old;
         return -1;
     }

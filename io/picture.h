@@ -51,6 +51,7 @@ typedef struct io_part {
     const char *storage;     /* "scanline", "tiled", "deep scanline", "deep tiled", "mipmap tiled", ... */
     int bits;                /* of the largest sample in the file: 8, 16, 32 */
     bool deep, multi_level;
+    uint64_t chunk_bytes; /* of a row, chunk, tile or compressed strip: what one thread works on at a time */
     int channel_count;
     io_channel *channel; /* in the order of the file */
 } io_part;
@@ -60,6 +61,15 @@ typedef struct io_stamp {
     int64_t size, seconds, nanoseconds;
 } io_stamp;
 
+/* Where what grows with the picture comes from: the data of channels, and blocks of a whole picture on its way from or
+ * into a file. All of it is gone through in the order of rows, or backwards. `allocate` returns zeroed memory aligned to
+ * 64 bytes, or NULL with the line to show in `error`. Any thread may call. Outlives the pictures. */
+typedef struct io_memory {
+    void *(*allocate)(void *user, size_t bytes, io_error *error);
+    void (*release)(void *user, void *block);
+    void *user;
+} io_memory;
+
 typedef struct io_picture {
     char *path;
     io_format format;
@@ -67,6 +77,7 @@ typedef struct io_picture {
     io_stamp stamp; /* of that file, when it was opened */
     int part_count;
     io_part *part;
+    const io_memory *memory;  /* of the options it was opened with */
     struct io_source *source; /* what the format keeps: header attributes, text chunks, raw tags */
     int row, rows;            /* of the data that are being read, see io_read_rows(); rows 0: all */
 } io_picture;
@@ -79,6 +90,7 @@ typedef enum io_meaning {
 typedef struct io_options {
     int threads;         /* for codecs; 0: as many as the process may use */
     uint64_t max_pixels; /* refuse larger declared sizes before allocating anything; 0: 2^31 pixels a channel */
+    const io_memory *memory; /* NULL: the process's own, and what the machine does not have is refused */
 } io_options;
 
 /* What `threads` of io_options means: itself, or for 0 the processors this process may use. 1 to 256. */
@@ -120,6 +132,10 @@ void io_channel_from_float(io_channel *channel, const float *in, size_t pixel_fl
  * 8/16/32 for TIFF, 32 for PFM, 16 (half) or 32 for EXR follow from type. */
 int io_create(io_picture **picture, io_format format, int width, int height, const char *const *names, int name_count,
               io_type type, int bits, io_meaning meaning, io_error *error);
+
+/* The same with memory from elsewhere; NULL: the process's own. */
+int io_create_in(io_picture **picture, io_format format, int width, int height, const char *const *names,
+                 int name_count, io_type type, int bits, io_meaning meaning, const io_memory *memory, io_error *error);
 
 /* Writes the whole picture to `path`: all parts, all channels (also those never read), all metadata, windows, pixel
  * types and compression of the file it was opened from. EXR parts without a modified channel are copied as they are,

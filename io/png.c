@@ -100,7 +100,7 @@ static int start(reader *r, const io_picture *picture, io_error *error) {
 static void stop(reader *r) {
     if (r->png != NULL) png_destroy_read_struct(&r->png, &r->info, &r->end);
     if (r->file != NULL) fclose(r->file);
-    free(r->raw);
+    io_block_release(r->source ? &r->source->options : NULL, r->raw);
     free(r->table);
     free(r->alpha_table);
     free(r->scratch);
@@ -190,6 +190,7 @@ static int add_part(io_picture *picture, const io_source *source) {
     part->compression = "deflate";
     part->storage = source->interlaced ? "interlaced" : "scanline";
     part->bits = source->bits;
+    part->chunk_bytes = (uint64_t)source->width * (uint64_t)(source->channels * source->bits / 8);
     return 0;
 }
 
@@ -284,9 +285,10 @@ static int allocate(reader *r, const io_source *source, const char *path, io_err
     const size_t width = source->width, row = width * (size_t)source->channels * (size_t)(source->bits / 8);
     r->table = io_decode_table(&source->coding, source->bits, true, false);
     r->alpha_table = io_decode_table(&source->coding, source->bits, false, false);
-    r->raw = calloc(source->interlaced ? source->height : 1, row);
+    r->raw = io_block_allocate(&source->options, row * (source->interlaced ? source->height : 1), error, path);
+    if (r->raw == NULL) return -1;
     r->scratch = malloc(sizeof(float) * width * (size_t)source->channels);
-    if (r->table == NULL || r->alpha_table == NULL || r->raw == NULL || r->scratch == NULL)
+    if (r->table == NULL || r->alpha_table == NULL || r->scratch == NULL)
         return io_fail(error, "%s: not enough memory to read %u x %u pixels", path, (unsigned)source->width,
                        (unsigned)source->height);
     return 0;
@@ -323,7 +325,7 @@ static int read_png(io_picture *picture, int part_index, const char *const *name
     r.channel = part->channel;
     for (int c = 0; status == 0 && c < part->channel_count; c++) {
         if (part->channel[c].data != NULL || !io_name_wanted(part->channel[c].name, names, name_count)) continue;
-        status = io_channel_allocate(&part->channel[c], error, picture->path);
+        status = io_channel_allocate(&part->channel[c], picture->memory, error, picture->path);
         r.wanted[c] = status == 0;
         wanted++;
     }

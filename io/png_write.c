@@ -99,10 +99,10 @@ static void encode_band(void *data, int index) {
 
 static int encode(writer *w, const io_options *options, const char *path, io_error *error) {
     const size_t row = (size_t)w->width * (size_t)w->channels * (size_t)(w->source->bits / 8);
-    w->pixels = malloc(row * (size_t)w->height);
-    if (w->pixels != NULL)
-        io_parallel(options != NULL ? options->threads : 0, (w->height + BAND - 1) / BAND, encode_band, w);
-    if (w->pixels == NULL || atomic_load(&w->no_memory))
+    w->pixels = io_block_allocate(options, row * (size_t)w->height, error, path);
+    if (w->pixels == NULL) return -1;
+    io_parallel(options != NULL ? options->threads : 0, (w->height + BAND - 1) / BAND, encode_band, w);
+    if (atomic_load(&w->no_memory))
         return io_fail(error, "%s: not enough memory to write %d x %d pixels", path, w->width, w->height);
     return 0;
 }
@@ -224,6 +224,6 @@ int io_png_write(const io_picture *picture, const char *temporary, const char *p
     if (status == 0) note_losses(&w, path, note);
     if (w.png != NULL) png_destroy_write_struct(&w.png, &w.info);
     if (w.file != NULL) fclose(w.file);
-    free(w.pixels);
+    io_block_release(options, w.pixels);
     return status;
 }

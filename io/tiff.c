@@ -293,6 +293,10 @@ static int add_part(io_picture *picture, const io_source *source, TIFF *tiff) {
     part->compression = io_tiff_compression_name(source->compression);
     part->storage = source->tiled ? "tiled" : "scanline";
     part->bits = source->bits;
+    /* what is compressed libtiff holds a whole block of */
+    const bool packed = source->compression != COMPRESSION_NONE;
+    part->chunk_bytes = (uint64_t)source->block_width * (packed ? source->block_height : 1) *
+                        (((uint64_t)source->samples * source->bits + 7) / 8);
     return 0;
 }
 

@@ -188,9 +188,10 @@ static int check_same(reader *r, io_error *error) {
 static int prepare(reader *r, io_error *error) {
     const io_source *source = r->source;
     if (check_same(r, error) < 0) return -1;
-    r->raw = calloc(source->separate ? source->samples : 1, r->plane_bytes);
+    r->raw = io_block_allocate(&source->options, r->plane_bytes * (source->separate ? source->samples : 1), error, r->path);
+    if (r->raw == NULL) return -1;
     r->scratch = malloc(sizeof(float) * (size_t)source->channels * source->block_width);
-    if (make_tables(r) < 0 || r->raw == NULL || r->scratch == NULL)
+    if (make_tables(r) < 0 || r->scratch == NULL)
         return io_fail(error, "%s: not enough memory to read %u x %u pixels", r->path, (unsigned)source->width,
                        (unsigned)source->height);
     return 0;
@@ -202,7 +203,7 @@ int io_tiff_read(io_picture *picture, int part_index, const char *const *names, 
     int status = 0, wanted = 0;
     for (int c = 0; status == 0 && c < part->channel_count; c++) {
         if (part->channel[c].data != NULL || !io_name_wanted(part->channel[c].name, names, name_count)) continue;
-        status = io_channel_allocate(&part->channel[c], error, picture->path);
+        status = io_channel_allocate(&part->channel[c], picture->memory, error, picture->path);
         r.wanted[c] = true;
         wanted++;
     }
@@ -210,7 +211,7 @@ int io_tiff_read(io_picture *picture, int part_index, const char *const *names, 
     if (status == 0 && wanted > 0) status = prepare(&r, error);
     if (status == 0 && wanted > 0) status = read_blocks(&r, error);
     io_tiff_close_file(&r.file);
-    free(r.raw);
+    io_block_release(&r.source->options, r.raw);
     free(r.scratch);
     free(r.plain);
     for (int i = 0; i < 3; i++)

@@ -356,7 +356,7 @@ static int add_metadata(const writer *w, const io_picture *picture, const char *
 
 /* ------------------------------------------------------------------------- the file */
 
-static int write_pixels(writer *w, const char *temporary, io_error *error) {
+static int write_pixels(writer *w, const char *temporary, const io_options *options, io_error *error) {
     const io_source *source = w->source;
     char mode[8] = "w";
     /* 4 GB is as far as a classic TIFF reaches; further pages and tags cannot be more than their file. */
@@ -367,17 +367,17 @@ static int write_pixels(writer *w, const char *temporary, io_error *error) {
     int status = io_tiff_write_file(&w->file, temporary, mode, w->path, error);
     if (status == 0) {
         set_fields(w);
-        w->raw = malloc(w->plane_bytes * (size_t)(source->separate ? w->channels : 1));
-        if (w->file.message.text[0] != '\0')
-            status = write_failed(w, error);
-        else if (w->raw == NULL)
-            status = io_fail(error, "%s: not enough memory to write it", w->path);
+        if (w->file.message.text[0] != '\0') status = write_failed(w, error);
+    }
+    if (status == 0) {
+        w->raw = io_block_allocate(options, w->plane_bytes * (size_t)(source->separate ? w->channels : 1), error, w->path);
+        if (w->raw == NULL) status = -1;
     }
     if (status == 0) status = write_blocks(w, error);
     if (status == 0 && !TIFFFlush(w->file.tiff)) status = write_failed(w, error);
     if (io_tiff_close_file(&w->file) < 0 && status == 0)
         status = io_fail(error, "%s: cannot be written: %s", w->path, w->file.message.text);
-    free(w->raw);
+    io_block_release(options, w->raw);
     return status;
 }
 
@@ -400,7 +400,7 @@ int io_tiff_write(const io_picture *picture, const char *temporary, const char *
     choose_samples(&w, note);
     choose_compression(&w, note);
     choose_blocks(&w);
-    if (write_pixels(&w, temporary, error) < 0 || add_metadata(&w, picture, temporary, note, error) < 0) return -1;
+    if (write_pixels(&w, temporary, options, error) < 0 || add_metadata(&w, picture, temporary, note, error) < 0) return -1;
     note_losses(&w, note);
     return 0;
 }

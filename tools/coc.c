@@ -12,6 +12,7 @@
 #include "json.h"
 #include "message.h"
 #include "output.h"
+#include "scratch.h"
 
 typedef struct summary {
     float low, high; /* pixels, of the finite values */
@@ -40,8 +41,8 @@ static int write_values(const job *j, const char *path, io_format format, const 
     const int width = j->frame.color.width, height = j->frame.color.height;
     io_picture *made;
     io_error error = {0};
-    if (io_create(&made, format, width, height, format == IO_EXR ? exr_name : grey_name, 1, IO_FLOAT, 32, IO_DATA,
-                  &error))
+    if (io_create_in(&made, format, width, height, format == IO_EXR ? exr_name : grey_name, 1, IO_FLOAT, 32, IO_DATA,
+                     j->reading.memory, &error))
         return fail("%s: %s", path, error.text);
     if (format == IO_EXR) {
         made->part[0].data = part->data;
@@ -75,43 +76,47 @@ static void false_color(float coc, float luminance, float largest, float rgb[3])
         rgb[i] = light * (1 - strength) + strength * tint[i] * (0.08f + 0.92f * light);
 }
 
-static int read_luminance(const job *j, float gain, float *luminance, float *scratch) {
+/* Of row y; `room`: another one. */
+static void luminance_row(const job *j, int y, float gain, float *luminance, float *room) {
     static const float weights[3] = {0.2126f, 0.7152f, 0.0722f}; /* Rec. 709 */
-    const size_t width = (size_t)j->frame.color.width, count = width * (size_t)j->frame.color.height;
+    const size_t width = (size_t)j->frame.color.width;
     const int channels = j->color.count > 2 ? 3 : 1;
-    memset(luminance, 0, count * sizeof(float));
+    memset(luminance, 0, width * sizeof(float));
     for (int c = 0; c < channels; c++) {
         const float weight = gain * (channels == 3 ? weights[c] : 1);
-        io_channel_to_float(job_color(j, c), scratch, 1, width);
-        for (size_t i = 0; i < count; i++)
-            luminance[i] += weight * scratch[i];
+        output_load_row(job_color(j, c), y, room);
+        for (size_t i = 0; i < width; i++)
+            luminance[i] += weight * room[i];
     }
-    return 0;
+}
+
+static void false_color_row(const float *coc, const float *luminance, float largest, int c, size_t width, float *row) {
+    for (size_t i = 0; i < width; i++) {
+        float rgb[3];
+        false_color(coc[i], luminance[i], largest, rgb);
+        row[i] = rgb[c];
+    }
 }
 
 static int write_false_color(const job *j, const options *o, const char *path, const float *coc, const summary *s) {
     const io_part *part = job_part(j);
     const int width = j->frame.color.width, height = j->frame.color.height;
-    const size_t count = (size_t)width * (size_t)height;
-    const float largest = fmaxf(fabsf(s->low), fabsf(s->high));
+    const float largest = fmaxf(fabsf(s->low), fabsf(s->high)), gain = exp2f((float)option_number(o, OPT_EXPOSURE, 0));
     io_picture *made = NULL;
-    float *luminance = malloc(count * sizeof(float)), *values = malloc(count * sizeof(float));
-    int status = luminance && values ? 0 : fail("%s: out of memory for %dx%d pixels", path, width, height);
-    if (status == 0) status = output_create_rgb(&made, part->display.width, part->display.height, path);
-    if (status == 0) status = read_luminance(j, exp2f((float)option_number(o, OPT_EXPOSURE, 0)), luminance, values);
-    for (int c = 0; status == 0 && c < 3; c++) {
-        for (size_t i = 0; i < count; i++) {
-            float rgb[3];
-            false_color(coc[i], luminance[i], largest, rgb);
-            values[i] = rgb[c];
+    float *luminance = malloc(2 * (size_t)width * sizeof(float)), *row = luminance + width;
+    int status = luminance ? 0 : fail("%s: out of memory for a row of %d pixels", path, width);
+    if (status == 0) status = output_create_rgb(&made, part->display.width, part->display.height, path, &j->reading);
+    for (int y = 0; status == 0 && y < height; y++) {
+        luminance_row(j, y, gain, luminance, row);
+        const io_box box = {j->frame.offset_x, j->frame.offset_y + y, width, 1};
+        for (int c = 0; c < 3; c++) {
+            false_color_row(coc + (size_t)y * (size_t)width, luminance, largest, c, (size_t)width, row);
+            output_place(&made->part[0].channel[c], row, box);
         }
-        io_box box = {j->frame.offset_x, j->frame.offset_y, width, height};
-        output_place(&made->part[0].channel[c], values, box);
     }
     if (status == 0) status = output_write(made, path, &j->reading);
     io_close(&made);
     free(luminance);
-    free(values);
     return status;
 }
 
@@ -171,13 +176,12 @@ static int coc_frame(const options *o, session *s, double start, frame_report *m
     job j;
     io_format format;
     int status = output_check(OPT_OUTPUT, option_text(o, OPT_OUTPUT), &format);
-    if (status == 0) status = job_open(&j, o, NULL);
+    if (status == 0) status = job_open(&j, o, s, NULL);
     if (status) return status;
-    float *coc = malloc((size_t)j.frame.color.width * (size_t)j.frame.color.height * sizeof(float));
-    if (!coc)
-        status = fail("%s: out of memory for %dx%d pixels", o->file[0], j.frame.color.width, j.frame.color.height);
+    float *coc = scratch_allocate((size_t)j.frame.color.width * (size_t)j.frame.color.height * sizeof(float));
+    if (!coc) status = fail("%s", scratch_error());
     if (status == 0) status = work(&j, o, s, format, coc, made);
-    free(coc);
+    scratch_release(coc);
     job_close(&j);
     return status;
 }

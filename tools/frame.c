@@ -8,6 +8,7 @@
 
 #include "message.h"
 #include "pull.h"
+#include "scratch.h"
 #include "sequence.h"
 #include "shot.h"
 
@@ -41,12 +42,14 @@ int frame_run(const options *o, frame_work *work, double start) {
     int status = check_single(o);
     if (status == 0) status = pull_open(&changes, o, NULL);
     if (status) return status;
-    status = session_open(&s, o); /* what cannot be had is said before minutes of decoding */
+    status = scratch_open(o, 1);
+    if (status == 0) status = session_open(&s, o); /* what cannot be had is said before minutes of decoding */
     if (status == 0) status = pull_apply(&changes, &f);
     if (status == 0) status = work(&f.o, &s, start, &report);
     session_close(&s);
     pull_close(&changes);
     frame_options_free(&f);
+    scratch_close();
     if (status == 0) status = print_report(&report);
     cJSON_Delete(report.object);
     free(report.text);

@@ -7,6 +7,7 @@
 
 #include "job.h"
 #include "message.h"
+#include "scratch.h"
 
 /* As 'ddof compare' takes a mask: a colour one counts by its first channel. */
 static int choose_channel(const io_picture *picture, const char *name, io_selection *selection, io_error *error) {
@@ -19,8 +20,8 @@ static int convert(holdout *h, const io_channel *channel) {
     h->image = (ddof_image){.width = channel->width, .height = channel->height, .channels = 1};
     h->image.plane[0] = plane_of_channel(channel);
     if (channel->type != IO_UINT) return 0;
-    h->converted = malloc(count * sizeof(float));
-    if (!h->converted) return fail("--holdout: %s: out of memory for %zu pixels", h->picture->path, count);
+    h->converted = scratch_allocate(count * sizeof(float));
+    if (!h->converted) return fail("%s", scratch_error());
     io_channel_to_float(channel, h->converted, 1, (size_t)channel->width);
     h->image.plane[0] = (ddof_plane){.data = h->converted};
     return 0;
@@ -48,6 +49,6 @@ int holdout_read(holdout *h, const char *text, const char *in, const ddof_image 
 
 void holdout_close(holdout *h) {
     io_close(&h->picture);
-    free(h->converted);
+    scratch_release(h->converted);
     *h = (holdout){0};
 }

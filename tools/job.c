@@ -9,8 +9,10 @@
 #include <sys/stat.h>
 
 #include "bokeh.h"
+#include "memory.h"
 #include "message.h"
 #include "metadata.h"
+#include "scratch.h"
 
 /* ------------------------------------------------------------------------- files and channels */
 
@@ -225,8 +227,8 @@ static int describe_blur(job *j, const options *o, ptrdiff_t first) {
     ddof_image image = {.width = color->width, .height = color->height, .channels = 1};
     image.plane[0] = plane_of_channel(channel);
     if (channel->type == IO_UINT || scale != 1) {
-        j->converted = malloc(count * sizeof(float));
-        if (!j->converted) return fail("%s: out of memory for %zu pixels", blur_picture(j)->path, count);
+        j->converted = scratch_allocate(count * sizeof(float));
+        if (!j->converted) return fail("%s", scratch_error());
         io_channel_to_float(channel, j->converted, 1, (size_t)channel->width);
         for (size_t i = 0; scale != 1 && i < count; i++)
             j->converted[i] *= scale;
@@ -293,13 +295,14 @@ static int open_and_check(job *j, const options *o, ptrdiff_t *first) {
     return status ? status : open_files(j, o, first);
 }
 
-int job_open(job *j, const options *o, const io_format *rewrite) {
-    *j = (job){.reading.threads = (int)option_number(o, OPT_THREADS, 0)};
+int job_open(job *j, const options *o, const session *s, const io_format *rewrite) {
+    *j = (job){.reading = {.threads = (int)option_number(o, OPT_THREADS, 0), .memory = scratch_memory()}};
     const double begin = now_ms();
     ptrdiff_t first = 0;
     int status = open_and_check(j, o, &first);
     method_settings(&j->settings, o);
     if (status == 0) status = bokeh_settings(&j->settings, o, &j->iris, job_part(j)->display.width);
+    if (status == 0) status = memory_plan(j, o, s, rewrite);
     if (status == 0) status = read_pixels(j, rewrite && *rewrite == j->input->format);
     j->decode_ms = now_ms() - begin;
     if (status == 0) status = describe_color(j);
@@ -341,7 +344,7 @@ int job_read_depth(job *j, const options *o, int row, int rows) {
 void job_close(job *j) {
     io_close(&j->input);
     io_close(&j->second);
-    free(j->converted);
+    scratch_release(j->converted);
     holdout_close(&j->holdout);
     iris_close(&j->iris);
     *j = (job){0};

@@ -20,7 +20,7 @@ typedef struct job {
     io_selection color;
     io_picture *second; /* the file of --depth or --coc, NULL when they are in IN */
     io_selection blur;  /* the depth or CoC channel of `second`, or of `input` */
-    float *converted;   /* depth or CoC of a type the library does not take, or scaled */
+    float *converted;   /* of scratch.h: depth or CoC of a type the library does not take, or scaled */
     holdout holdout;    /* --holdout */
     iris_input iris;    /* --iris */
     camera file;        /* --camera */
@@ -32,7 +32,7 @@ typedef struct job {
 
 /* Opens and reads everything the options name. `rewrite`: when IN is of this format, the rest of its colour part is
  * read too, to be written again; NULL: never. On failure everything is closed. Returns 0 or an exit code. */
-int job_open(job *j, const options *o, const io_format *rewrite);
+int job_open(job *j, const options *o, const session *s, const io_format *rewrite);
 /* The depth alone, for autofocus: of `frame` the size of the depth and its place in the picture are filled in, then some of its
  * rows (where the file's format lets them be read by themselves, the others are 0). */
 int job_open_depth(job *j, const options *o);

@@ -152,6 +152,17 @@ static int read_scalar(const option_spec *spec, const char *text, option_value *
     return check_range(spec, value->number, text);
 }
 
+/* "512M": digits and at most one letter. */
+static int read_bytes(const option_spec *spec, const char *text, option_value *value) {
+    static const char letters[] = "KMGT";
+    const size_t digits = strspn(text, "0123456789");
+    const char *letter = text[digits] ? strchr(letters, toupper((unsigned char)text[digits])) : NULL;
+    if (digits == 0 || (text[digits] && (!letter || text[digits + 1])) || !read_number(text, text + digits, false, &value->number))
+        return fail_value(spec, text, "a number of bytes, with K, M, G or T after it or nothing");
+    if (letter) value->number *= exp2(10 * (double)(letter - letters + 1));
+    return check_range(spec, value->number, text);
+}
+
 bool read_extent(const char *text, const char *end, double *number, bool *percent) {
     if (!end) end = text + strlen(text);
     *percent = end > text && end[-1] == '%';
@@ -216,6 +227,8 @@ static int read_value(const option_spec *spec, const char *text, option_value *v
         if (!read_extent(text, NULL, &value->number, &value->percent))
             return fail_value(spec, text, "a number of pixels or percent");
         return check_range(spec, value->number, text);
+    case KIND_BYTES:
+        return read_bytes(spec, text, value);
     case KIND_POINT:
     case KIND_SIZE:
         return read_pair(spec, text, value);

@@ -83,6 +83,8 @@ typedef enum option_id {
     OPT_HOLDOUT,
     OPT_PREVIEW,
     OPT_EXPOSURE,
+    OPT_MAX_MEMORY,
+    OPT_SCRATCH,
     OPT_THREADS,
     OPT_BACKEND,
     OPT_DEVICE,
@@ -102,6 +104,7 @@ typedef enum option_kind {
     KIND_INTEGER,
     KIND_NUMBER,        /* finite */
     KIND_NUMBER_OR_INF, /* or "inf" */
+    KIND_BYTES,         /* whole, or with K, M, G or T, powers of 1024 */
     KIND_EXTENT,        /* pixels, or percent of the picture's width */
     KIND_POINT,         /* X,Y, each in pixels or percent */
     KIND_SIZE,          /* WxH */

@@ -160,6 +160,12 @@ const option_spec option_table[OPT_COUNT] = {
     [OPT_EXPOSURE] = {"exposure", 0, KIND_NUMBER, "STOPS", "1.5",
         "brighten --preview and false colour, -30 to 30 stops (default 0)", R | C, -30, 30, false, NULL},
 
+    [OPT_MAX_MEMORY] = {"max-memory", 0, KIND_BYTES, "SIZE", "512M",
+        "most memory to use, with K, M, G or T: larger pictures are worked on from files in --scratch (default: no limit)", R | C,
+        1, 0x1p60, false, NULL},
+    [OPT_SCRATCH] = {"scratch", 0, KIND_TEXT, "FOLDER", "/var/tmp",
+        "where --max-memory puts its files, which never have a name (default: the folder of --output)", R | C, 0, 0, 0, NULL},
+
     [OPT_THREADS] = {"threads", 0, KIND_INTEGER, "N", "4",
         "threads, 0 to 256; results do not depend on it (default 0: all there are)", WORK, 0, 256, false, NULL},
     [OPT_BACKEND] = {"backend", 0, KIND_CHOICE, "NAME", "cpu",

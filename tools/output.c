@@ -36,6 +36,14 @@ int output_check(option_id option, const char *path, io_format *format) {
 
 /* ------------------------------------------------------------------------- placing */
 
+/* Row y of a channel as a channel. */
+static io_channel row_of(const io_channel *channel, int y) {
+    io_channel view = *channel;
+    view.height = 1;
+    view.data = (char *)channel->data + (size_t)y * (size_t)channel->width * io_type_size(channel->type);
+    return view;
+}
+
 void output_place(io_channel *to, const float *from, io_box box) {
     int first = box.x < 0 ? -box.x : 0, last = box.width;
     if (box.x + (int64_t)box.width > to->width) last = to->width - box.x;
@@ -53,14 +61,9 @@ static io_box place_in_display(const io_part *part, const io_channel *channel) {
     return (io_box){part->data.x - part->display.x, part->data.y - part->display.y, channel->width, channel->height};
 }
 
-static float *channel_values(const io_channel *channel, const char *path) {
-    float *values = malloc((size_t)channel->width * (size_t)channel->height * sizeof(float));
-    if (!values) {
-        fail("%s: out of memory for %dx%d pixels", path, channel->width, channel->height);
-        return NULL;
-    }
-    io_channel_to_float(channel, values, 1, (size_t)channel->width);
-    return values;
+void output_load_row(const io_channel *channel, int y, float *row) {
+    const io_channel view = row_of(channel, y);
+    io_channel_to_float(&view, row, 1, (size_t)channel->width);
 }
 
 /* ------------------------------------------------------------------------- another format */
@@ -97,30 +100,36 @@ static target target_of(const io_picture *input, const io_selection *color, io_f
     return eight || source == IO_HALF ? (target){IO_HALF, 16} : (target){IO_FLOAT, 32};
 }
 
+/* Row by row, so that nothing is as large as the picture but the picture. */
 static int convert_channel(io_channel *to, const io_channel *from, const io_part *part, const char *path) {
-    float *values = channel_values(from, path);
-    if (!values) return EXIT_WORK;
-    io_channel whole = *to; /* placed as floats, then given its type */
-    whole.data = calloc((size_t)to->width * (size_t)to->height, sizeof(float));
-    int status = whole.data ? 0 : fail("%s: out of memory for %dx%d pixels", path, to->width, to->height);
-    if (status == 0) {
-        output_place(&whole, values, place_in_display(part, from));
-        io_channel_from_float(to, whole.data, 1, (size_t)to->width);
+    const io_box box = place_in_display(part, from);
+    float *row = malloc(((size_t)from->width + (size_t)to->width) * sizeof(float)), *placed = row + from->width;
+    if (!row) return fail("%s: out of memory for a row of %d pixels", path, to->width);
+    for (int y = 0; y < to->height; y++) {
+        const int64_t in = (int64_t)y - box.y;
+        io_channel out = row_of(to, y), whole = out; /* placed as floats, then given its type */
+        whole.data = placed;
+        memset(placed, 0, (size_t)to->width * sizeof(float));
+        if (in >= 0 && in < from->height) {
+            output_load_row(from, (int)in, row);
+            output_place(&whole, row, (io_box){box.x, 0, from->width, 1});
+        }
+        io_channel_from_float(&out, placed, 1, (size_t)to->width);
     }
-    free(values);
-    free(whole.data);
-    return status;
+    to->modified = true;
+    free(row);
+    return 0;
 }
 
 int output_convert(io_picture **made, const io_picture *input, const io_selection *color, io_format format,
-                   const char *path) {
+                   const char *path, const io_options *writing) {
     static const char *const rgba[] = {"R", "G", "B", "A"}, *const ya[] = {"Y", "A"};
     const io_part *part = &input->part[color->part];
     const int kept = format == IO_PFM && color->alpha ? color->count - 1 : color->count;
     const target as = target_of(input, color, format);
     io_error error = {0};
-    if (io_create(made, format, part->display.width, part->display.height, color->count > 2 ? rgba : ya, kept, as.type,
-                  as.bits, IO_COLOR, &error))
+    if (io_create_in(made, format, part->display.width, part->display.height, color->count > 2 ? rgba : ya, kept, as.type,
+                     as.bits, IO_COLOR, writing->memory, &error))
         return fail("%s: %s", path, error.text);
     int status = 0;
     for (int i = 0; status == 0 && i < kept; i++)
@@ -134,17 +143,18 @@ int output_convert(io_picture **made, const io_picture *input, const io_selectio
 
 /* ------------------------------------------------------------------------- for the eye */
 
-int output_create_rgb(io_picture **made, int width, int height, const char *path) {
+int output_create_rgb(io_picture **made, int width, int height, const char *path, const io_options *writing) {
     static const char *const names[] = {"R", "G", "B"};
     io_error error = {0};
-    if (io_create(made, IO_PNG, width, height, names, 3, IO_FLOAT, 8, IO_COLOR, &error))
+    if (io_create_in(made, IO_PNG, width, height, names, 3, IO_FLOAT, 8, IO_COLOR, writing->memory, &error))
         return fail("%s: %s", path, error.text);
     for (int i = 0; i < 3; i++)
         io_channel_modified(&(*made)->part[0].channel[i]);
     return 0;
 }
 
-/* The mean of the pixels of one square of the display window; outside of the data window it is black. */
+/* The mean of the pixels of one square of the display window; outside of the data window it is black. `values`: the rows
+ * of the data window from `data.y` on. */
 static float mean_of_square(const float *values, io_box data, int x, int y, int side) {
     float sum = 0;
     for (int j = 0; j < side; j++)
@@ -157,23 +167,33 @@ static float mean_of_square(const float *values, io_box data, int x, int y, int 
     return sum / (float)(side * side);
 }
 
+/* The rows of a channel among `count` of the display window, into `room`; where those are. */
+static io_box load_rows(const io_channel *from, io_box data, int y, int count, float *room) {
+    const int64_t first = y > data.y ? (int64_t)y - data.y : 0;
+    int64_t end = (int64_t)y + count - data.y;
+    if (end > data.height) end = data.height;
+    for (int64_t row = first; row < end; row++)
+        output_load_row(from, (int)row, room + (row - first) * data.width);
+    return (io_box){data.x, (int)(data.y + first), data.width, end > first ? (int)(end - first) : 0};
+}
+
 int output_place_color(io_picture *made, int left, const io_picture *input, const io_selection *color, int shrink,
                        double gain) {
     const io_part *part = &input->part[color->part];
     const int width = (part->display.width + shrink - 1) / shrink;
+    float *values = malloc((size_t)part->data.width * (size_t)shrink * sizeof(float));
+    if (!values) return fail("%s: out of memory for %d rows", input->path, shrink);
     for (int i = 0; i < 3; i++) {
         const io_channel *from = &part->channel[color->channel[color->count > 2 ? i : 0]];
         const io_channel *to = &made->part[0].channel[i];
-        float *values = channel_values(from, input->path);
-        if (!values) return EXIT_WORK;
-        const io_box data = place_in_display(part, from);
         for (int y = 0; y < to->height; y++) {
+            const io_box data = load_rows(from, place_in_display(part, from), y * shrink, shrink, values);
             float *row = (float *)to->data + (size_t)y * (size_t)to->width + left;
             for (int x = 0; x < width; x++)
                 row[x] = fminf(fmaxf((float)gain * mean_of_square(values, data, x * shrink, y * shrink, shrink), 0), 1);
         }
-        free(values);
     }
+    free(values);
     return 0;
 }
 

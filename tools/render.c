@@ -12,6 +12,7 @@
 #include "json.h"
 #include "message.h"
 #include "output.h"
+#include "scratch.h"
 
 typedef struct timing {
     double prepare, solve, encode, preview;
@@ -50,7 +51,7 @@ static int preview_begin(io_picture **preview, const job *j, const options *o) {
     const char *path = option_text(o, OPT_PREVIEW);
     if (!path) return 0;
     const int shrink = preview_shrink(j), height = (job_part(j)->display.height + shrink - 1) / shrink;
-    int status = output_create_rgb(preview, preview_width(j), height, path);
+    int status = output_create_rgb(preview, preview_width(j), height, path, &j->reading);
     return status ? status : output_place_color(*preview, 0, j->input, &j->color, shrink, preview_gain(o));
 }
 
@@ -125,6 +126,7 @@ static cJSON *report_json(const job *j, const options *o, const session *s, cons
     if (*j->file.entry) json_text(object, "camera_render", j->file.entry);
     json_integer(object, "scratch_bytes", (double)r->stats.scratch_bytes);
     json_integer(object, "peak_rss_bytes", (double)peak_rss_bytes());
+    cJSON_AddBoolToObject(object, "streamed", scratch_streams());
     session_add_gpu(s, object, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
     return object;
 }
@@ -182,7 +184,7 @@ static int encode(const job *j, const options *o, io_format format, timing *time
     const double begin = now_ms();
     io_picture *made = NULL;
     int status = 0;
-    if (format != j->input->format) status = output_convert(&made, j->input, &j->color, format, path);
+    if (format != j->input->format) status = output_convert(&made, j->input, &j->color, format, path, &j->reading);
     if (status == 0) status = output_write(made ? made : j->input, path, &j->reading);
     io_close(&made);
     time->encode = now_ms() - begin;
@@ -197,6 +199,8 @@ static int work(job *j, const options *o, session *s, io_format format, report *
     if (status == 0) status = method_none(o) ? leave_sharp(j, r) : solve(j, o, s, r);
     if (status == 0 && !method_none(o) && (option_given(o, OPT_JSON) || !option_given(o, OPT_QUIET)))
         r->has_range = job_coc_range(j, s, r->stats.focus_distance, &r->coc_low, &r->coc_high);
+    /* its files need not reach the disk, and make room for the output */
+    if (scratch_streams()) ddof_trim(s->context);
     if (status == 0) status = encode(j, o, format, &r->time);
     if (status == 0) status = preview_end(preview, j, o, &r->time);
     io_close(&preview);
@@ -222,7 +226,7 @@ static int render_frame(const options *o, session *s, double start, frame_report
     io_format format;
     int status = check_outputs(o, &format);
     if (status == 0) r.time.prepare = now_ms() - start;
-    if (status == 0) status = job_open(&j, o, &format);
+    if (status == 0) status = job_open(&j, o, s, &format);
     if (status) return status;
     status = work(&j, o, s, format, &r);
     if (status == 0) status = report_work(made, &j, o, s, &r, now_ms() - start);

@@ -28,7 +28,7 @@ enum { MOST_RECORD = 1 << 20 };
 /* Options that change nothing in the picture. */
 static bool is_immaterial(option_id id) {
     static const option_id ids[] = {OPT_OUTPUT,  OPT_FRAMES,  OPT_RESUME, OPT_KEEP_GOING, OPT_IN_FLIGHT,
-                                    OPT_PREVIEW, OPT_THREADS, OPT_QUIET,  OPT_JSON};
+                                    OPT_PREVIEW, OPT_THREADS, OPT_QUIET,  OPT_JSON, OPT_MAX_MEMORY, OPT_SCRATCH};
     for (size_t i = 0; i < sizeof ids / sizeof *ids; i++)
         if (ids[i] == id) return true;
     return false;

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "message.h"
+#include "scratch.h"
 
 #define INTERRUPTED "interrupted; nothing was written"
 
@@ -48,8 +49,19 @@ int fail_interrupted(void) {
 
 static int on_progress(void *user, double done) {
     const session *s = user;
+    scratch_pace();
     if (s->progress) progress_show(done);
     return interrupted();
+}
+
+static void *allocate(void *user, size_t bytes) {
+    (void)user;
+    return scratch_allocate(bytes);
+}
+
+static void release(void *user, void *block) {
+    (void)user;
+    scratch_release(block);
 }
 
 static void on_log(void *user, ddof_log_level level, const char *text) {
@@ -120,6 +132,10 @@ static int open_quietly(session *s, const options *o, ddof_backend backend, ddof
         .progress_user = s,
         .device = s->device,
     };
+    if (scratch_memory()) {
+        config.allocate = allocate;
+        config.release = release;
+    }
     *made = DDOF_OK;
     int status = cpu_mask_of_options(o, &config.cpu_mask);
     if (status) return status;
@@ -169,6 +185,7 @@ int session_fail(const session *s, ddof_status status, const char *about) {
     progress_clear();
     if (status == DDOF_ERROR_CANCELLED) return fail_interrupted();
     const char *text = ddof_error(s->context);
+    if (status == DDOF_ERROR_MEMORY && *scratch_error()) return fail("%s", scratch_error());
     if (status == DDOF_ERROR_MEMORY)
         return fail("%s: %s; close other programs or render a smaller picture", about,
                     *text ? text : ddof_status_text(status));

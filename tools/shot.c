@@ -15,6 +15,7 @@
 #include "message.h"
 #include "pull.h"
 #include "resume.h"
+#include "scratch.h"
 #include "sequence.h"
 
 enum { IN_FLIGHT = 3, MOST_IN_FLIGHT = 64, MOST_TOLD = 20 /* failed frames by name */ };
@@ -252,6 +253,8 @@ static int open_sessions(shot *s) {
     const options *o = s->o;
     s->workers = (int)option_number(o, OPT_IN_FLIGHT, IN_FLIGHT);
     if (s->workers > s->frames.count) s->workers = s->frames.count;
+    const int limited = scratch_open(o, s->workers);
+    if (limited) return limited;
     const int threads = io_thread_count((int)option_number(o, OPT_THREADS, 0));
     s->each = *o;
     s->each.value[OPT_THREADS].given = true;
@@ -304,6 +307,7 @@ int shot_run(const options *o, frame_work *frame, double start) {
         if (s.outcome[i]) free_outcome(s.outcome[i]);
     for (int i = 0; s.session && i < s.workers; i++)
         session_close(&s.session[i]);
+    scratch_close();
     pthread_mutex_destroy(&s.mutex);
     free(s.session);
     free(s.outcome);

@@ -60,7 +60,7 @@ static void test_channels_as_floats(void **state) {
         io_channel channel = {.name = (char *)"c", .type = (io_type)type, .width = 4, .height = 2};
         float spread[3 * 4 * 2 + 6], back[3 * 4 * 2 + 6];
         io_error error;
-        assert_int_equal(io_channel_allocate(&channel, &error, "file"), 0);
+        assert_int_equal(io_channel_allocate(&channel, NULL, &error, "file"), 0);
         assert_int_equal((uintptr_t)channel.data % 64, 0);
         for (size_t i = 0; i < sizeof spread / sizeof spread[0]; i++)
             spread[i] = back[i] = -77;

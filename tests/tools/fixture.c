@@ -18,6 +18,7 @@
  * fixture header FILE WIDTH HEIGHT: the header of an EXR file without any pixels
  *
  * fixture attribute FILE NAME float|double|int|rational|string VALUE: into the header of an EXR file with one part; rational: N/D
+ * fixture rows FILE WIDTH HEIGHT half|float: an EXR of any size, not compressed: R G B noise that repeats, A 1, Z 1 to 20
  *
  * fixture json KEY... < TEXT: values of an object's members ("a.b" goes down), one a line; fails when one is not there
  */
@@ -159,17 +160,15 @@ static void put_attribute(FILE *file, const char *name, const char *type, int si
     put_int(file, size);
 }
 
-static int header(int count, char **word) {
-    static const char *const names[] = {"B", "G", "R", "Z"};
-    if (count < 3) die("header", "too few arguments");
-    FILE *file = fopen(word[0], "wb");
-    if (!file) die("cannot write", word[0]);
+static void put_header(FILE *file, const char *names, bool half, const char *width, const char *height) {
+    const int channels = (int)strlen(names);
     put_int(file, 20000630);
     put_int(file, 2);
-    put_attribute(file, "channels", "chlist", 4 * 18 + 1);
-    for (int i = 0; i < 4; i++) {
-        fwrite(names[i], 2, 1, file);
-        put_int(file, 1); /* half */
+    put_attribute(file, "channels", "chlist", channels * 18 + 1);
+    for (int i = 0; i < channels; i++) {
+        fputc(names[i], file);
+        fputc(0, file);
+        put_int(file, half ? 1 : 2);
         put_int(file, 0);
         put_int(file, 1);
         put_int(file, 1);
@@ -181,8 +180,8 @@ static int header(int count, char **word) {
         put_attribute(file, i ? "displayWindow" : "dataWindow", "box2i", 16);
         put_int(file, 0);
         put_int(file, 0);
-        put_int(file, atoi(word[1]) - 1);
-        put_int(file, atoi(word[2]) - 1);
+        put_int(file, atoi(width) - 1);
+        put_int(file, atoi(height) - 1);
     }
     put_attribute(file, "lineOrder", "lineOrder", 1);
     fputc(0, file);
@@ -194,6 +193,18 @@ static int header(int count, char **word) {
     put_attribute(file, "screenWindowWidth", "float", 4);
     put_int(file, 0x3f800000);
     fputc(0, file);
+}
+
+static FILE *create_file(const char *path) {
+    FILE *file = fopen(path, "wb");
+    if (!file) die("cannot write", path);
+    return file;
+}
+
+static int header(int count, char **word) {
+    if (count < 3) die("header", "too few arguments");
+    FILE *file = create_file(word[0]);
+    put_header(file, "BGRZ", true, word[1], word[2]);
     return fclose(file);
 }
 
@@ -270,6 +281,43 @@ static int attribute(int count, char **word) {
     return fclose(written);
 }
 
+/* ------------------------------------------------------------------------- large pictures */
+
+/* A row at a time, so that the picture may be larger than memory. */
+static int rows(int count, char **word) {
+    static const char names[] = "ABGRZ";
+    static const char *const patterns[] = {"1", "noise", "noise", "noise", "ramp:1:20"};
+    enum { CHANNELS = 5, REPEAT = 61 };
+    if (count < 4) die("rows", "too few arguments");
+    const io_type type = strcmp(word[3], "half") == 0 ? IO_HALF : IO_FLOAT;
+    const int width = atoi(word[1]), height = atoi(word[2]);
+    const size_t size = (size_t)width * io_type_size(type), row = size * CHANNELS;
+    io_picture *made;
+    io_error error = {0};
+    static const char *const columns[] = {"A", "B", "G", "R", "Z"};
+    if (io_create(&made, IO_EXR, width, REPEAT, columns, CHANNELS, type, 0, IO_DATA, &error)) die("create", error.text);
+    for (int c = 0; c < CHANNELS; c++) {
+        char pattern[16];
+        snprintf(pattern, sizeof pattern, "%s", patterns[c]);
+        fill(&made->part[0].channel[c], pattern);
+    }
+    FILE *file = create_file(word[0]);
+    put_header(file, names, type == IO_HALF, word[1], word[2]);
+    const uint64_t first = (uint64_t)ftell(file) + 8 * (uint64_t)height;
+    for (uint64_t y = 0, at = first; y < (uint64_t)height; y++, at += row + 8) {
+        put_int(file, (int)(uint32_t)at);
+        put_int(file, (int)(uint32_t)(at >> 32));
+    }
+    for (int y = 0; y < height; y++) {
+        put_int(file, y);
+        put_int(file, (int)row);
+        for (int c = 0; c < CHANNELS; c++)
+            fwrite((char *)made->part[0].channel[c].data + (size_t)(y % REPEAT) * size, 1, size, file);
+    }
+    io_close(&made);
+    return ferror(file) | fclose(file);
+}
+
 /* ------------------------------------------------------------------------- JSON */
 
 static int json(int count, char **key) {
@@ -303,6 +351,7 @@ int main(int count, char **word) {
     if (strcmp(what, "same") == 0) return same(count, word);
     if (strcmp(what, "header") == 0) return header(count, word);
     if (strcmp(what, "attribute") == 0) return attribute(count, word);
+    if (strcmp(what, "rows") == 0) return rows(count, word);
     if (strcmp(what, "json") == 0) return json(count, word);
     return die("unknown", what);
 }
