@@ -1,6 +1,6 @@
 # The commands of a fresh checkout; everything else is meson (see README.md).
 # `make demo` shows a picture, `make test` runs every test, `make test-VARIANT` one variant of them
-# (release, asan, tsan, fuzz, arm64). Both install what is missing where they may. `make quality` measures methods against
+# (release, asan, tsan, fuzz, farm, arm64). Both install what is missing where they may. `make quality` measures methods against
 # pictures of a real lens, where such scenes are at hand, and writes docs/quality. `make fuzz-TARGET` is in CONTRIBUTING.md.
 
 demo:
@@ -8,7 +8,7 @@ demo:
 	@sh scripts/demo.sh
 
 test:
-	@sh scripts/test.sh release asan tsan fuzz arm64
+	@sh scripts/test.sh release asan tsan fuzz farm arm64
 
 fuzz-%:
 	@sh scripts/fuzz.sh $*

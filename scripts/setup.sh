@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: 2026 The ddof authors
 # SPDX-License-Identifier: MIT
 
-# setup.sh PURPOSE...: installs the Debian packages that PURPOSE (build, test, arm64) needs and this system lacks. Where it may
-# not, it prints the line that does, and fails.
+# setup.sh PURPOSE...: installs the Debian packages that PURPOSE (build, test, arm64, farm) needs and this system lacks. Where it
+# may not, it prints the line that does, and fails.
 set -eu
 
 packages() {
@@ -11,6 +11,7 @@ packages() {
     build) echo gcc g++ meson ninja-build pkg-config libopenexr-dev libpng-dev libtiff-dev libdeflate-dev libcjson-dev libegl-dev libgles-dev libvulkan-dev glslc libglfw3-dev ;;
     test) echo libcmocka-dev binutils python3 libegl1 libgl1-mesa-dri libvulkan1 mesa-vulkan-drivers vulkan-validationlayers chromium python3-numpy ;;
     arm64) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user ;;
+    farm) echo slurmctld slurmd slurm-client munge ;;
     *) echo "setup.sh: no such purpose: $1" >&2; exit 2 ;;
     esac
 }

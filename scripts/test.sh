@@ -7,6 +7,7 @@
 #   asan     AddressSanitizer and UndefinedBehaviorSanitizer
 #   tsan     ThreadSanitizer, without GL and Vulkan, whose drivers bring threads that it cannot see into
 #   fuzz     every target of tests/fuzz with libFuzzer for two seconds; skipped where there is no clang that has it
+#   farm     contrib/slurm on a cluster of one node in a temporary folder; skipped where Slurm is not there and cannot be installed
 #   arm64    the library's NEON kernels, cross-compiled, under qemu (-O2: GCC 12 for arm64 crashes on the tests at -O3)
 set -u
 cd "$(dirname "$0")/.."
@@ -17,9 +18,10 @@ options() {
     release) ;;
     asan) echo --buildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
     tsan) echo --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=thread -Db_lundef=false -Ddefault_library=static ;;
+    farm) ;;
     fuzz) echo -Dfuzz=true --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
     arm64) echo --cross-file build-test/arm64.ini --buildtype=debugoptimized -Dtools=false -Dvulkan=disabled -Ddefault_library=static ;;
-    *) echo "test.sh: no such variant: $1 (release, asan, tsan, fuzz, arm64)" >&2; exit 2 ;;
+    *) echo "test.sh: no such variant: $1 (release, asan, tsan, fuzz, farm, arm64)" >&2; exit 2 ;;
     esac
 }
 
@@ -64,6 +66,32 @@ run() {
     fi
 }
 
+# The programs of the release build, and of it no more than is needed.
+run_farm() {
+    variant=farm dir=build-test/release
+    echo "== $variant"
+    if ! sh scripts/setup.sh farm >build-test/farm.log 2>&1; then
+        echo "farm: skipped, Slurm is not there: $(tail -n 1 build-test/farm.log)"
+        skipped=$((skipped + 1))
+        return
+    fi
+    if ! { [ -f "$dir/build.ninja" ] || meson setup "$dir"; } >>build-test/farm.log 2>&1 ||
+       ! ninja -C "$dir" tools/ddof tests/tools/fixture >>build-test/farm.log 2>&1; then
+        tail -n 40 build-test/farm.log
+        echo "farm: the build failed (build-test/farm.log)"
+        failed=$((failed + 1))
+        return
+    fi
+    DDOF=$PWD/$dir/tools/ddof FIXTURE=$PWD/$dir/tests/tools/fixture SOURCE=$PWD sh scripts/test_farm.sh >build-test/farm.tests 2>&1
+    status=$?
+    cat build-test/farm.tests
+    bad=$(grep -c '^not ok' build-test/farm.tests)
+    [ $status -eq 0 ] || [ "$bad" -gt 0 ] || bad=1
+    failed=$((failed + bad))
+    passed=$((passed + $(grep '^ok' build-test/farm.tests | grep -vc '# SKIP')))
+    skipped=$((skipped + $(grep -c '# SKIP' build-test/farm.tests)))
+}
+
 purposes="build test"
 for variant; do
     options "$variant" >/dev/null || exit 2
@@ -85,7 +113,7 @@ for variant; do
         skipped=$((skipped + 1))
         continue
     fi
-    run "$variant"
+    if [ "$variant" = farm ]; then run_farm; else run "$variant"; fi
 done
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]

@@ -15,6 +15,8 @@
  *
  * fixture same A B CHANNEL: succeeds when all values have the same bits
  *
+ * fixture tile IN OUT NX NY: an EXR file of NX by NY times the picture IN, channels and types as there
+ *
  * fixture header FILE WIDTH HEIGHT: the header of an EXR file without any pixels
  *
  * fixture attribute FILE NAME float|double|int|rational|string VALUE: into the header of an EXR file with one part; rational: N/D
@@ -145,6 +147,41 @@ static int same(int count, char **word) {
     io_close(&a);
     io_close(&b);
     return equal ? 0 : 1;
+}
+
+static void repeat(io_channel *to, const io_channel *from) {
+    const size_t row = (size_t)from->width * io_type_size(from->type);
+    const int across = to->width / from->width;
+    for (int y = 0; y < to->height; y++)
+        for (int x = 0; x < across; x++)
+            memcpy((char *)to->data + ((size_t)y * (size_t)across + (size_t)x) * row,
+                   (const char *)from->data + (size_t)(y % from->height) * row, row);
+}
+
+static int tile(int count, char **word) {
+    if (count < 4) die("tile", "too few arguments");
+    io_error error = {0};
+    io_picture *in = NULL, *out = NULL;
+    if (io_open(&in, word[0], IO_COLOR, NULL, &error) || io_read(in, &error)) die("read", error.text);
+    const io_part *part = &in->part[0];
+    const char *names[32];
+    if (part->channel_count > 32) die("too many channels", word[0]);
+    for (int c = 0; c < part->channel_count; c++)
+        names[c] = part->channel[c].name;
+    if (io_create(&out, IO_EXR, part->data.width * atoi(word[2]), part->data.height * atoi(word[3]), names,
+                  part->channel_count, IO_HALF, 16, IO_COLOR, &error))
+        die("create", error.text);
+    for (int c = 0; c < part->channel_count; c++) {
+        io_channel *to = &out->part[0].channel[c];
+        if (to->type != part->channel[c].type && io_channel_retype(to, part->channel[c].type, &error))
+            die("out of memory", word[1]);
+        repeat(to, &part->channel[c]);
+        io_channel_modified(to);
+    }
+    if (io_write(out, word[1], NULL, NULL, &error)) die("write", error.text);
+    io_close(&out);
+    io_close(&in);
+    return 0;
 }
 
 /* ------------------------------------------------------------------------- an EXR header by hand */
@@ -349,6 +386,7 @@ int main(int count, char **word) {
     if (strcmp(what, "data") == 0) return look(count, word, false, IO_DATA);
     if (strcmp(what, "range") == 0) return look(count, word, true, IO_COLOR);
     if (strcmp(what, "same") == 0) return same(count, word);
+    if (strcmp(what, "tile") == 0) return tile(count, word);
     if (strcmp(what, "header") == 0) return header(count, word);
     if (strcmp(what, "attribute") == 0) return attribute(count, word);
     if (strcmp(what, "rows") == 0) return rows(count, word);
