@@ -21,6 +21,11 @@ static const char *make(const phone_spec *spec) {
     return path;
 }
 
+/* libheif 1.15 and libaom 3.6 cannot encode 4:4:4 or grey of 10 bits together. */
+static int most_bits(bool av1) {
+    return av1 ? 8 : 10;
+}
+
 static float stored(int channel, int x, int y, int width, int height, int bits) {
     const float maximum = (float)((1 << bits) - 1);
     return rintf(phone_value(channel, x, y, width, height) * maximum) / maximum;
@@ -49,7 +54,7 @@ static void check_colors(const phone_spec *s) {
 static void test_color(void **state) {
     (void)state;
     for (int av1 = 0; av1 < 2; av1++)
-        for (int bits = 8; bits <= 10; bits += 2)
+        for (int bits = 8; bits <= most_bits(av1); bits += 2)
             for (int alpha = 0; alpha < 2; alpha++) {
                 phone_spec s = plain;
                 s.av1 = av1;
@@ -83,7 +88,7 @@ static void test_lossy(void **state) {
 static void test_depth(void **state) {
     (void)state;
     for (int av1 = 0; av1 < 2; av1++)
-        for (int bits = 8; bits <= 10; bits += 2) {
+        for (int bits = 8; bits <= most_bits(av1); bits += 2) {
             phone_spec s = plain;
             s.av1 = av1;
             s.depth_bits = bits;
@@ -251,6 +256,7 @@ static void test_hostile(void **state) {
     s.depth_height = 12;
     s.sei = message;
     s.sei_size = depth_message(message, 1, (const double[]){0.5, 8, 0.1, 2});
+    library_prints = true;
     for (int av1 = 0; av1 < 2; av1++) {
         s.av1 = av1;
         const char *path = make(&s);

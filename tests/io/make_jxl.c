@@ -9,7 +9,7 @@
 
 #include "make_phone.h"
 
-enum { DEPTH = 4 };
+enum { ALPHA = 3, DEPTH = 4 };
 
 /* Floats: integers are v / maximum, which libjxl makes v again. */
 static float *values_of(const phone_spec *s, int first, int channels, int bits) {
@@ -19,19 +19,17 @@ static float *values_of(const phone_spec *s, int first, int channels, int bits) 
     for (int y = 0; values && y < s->height; y++)
         for (int x = 0; x < s->width; x++)
             for (int c = 0; c < channels; c++) {
-                const int channel = first == DEPTH ? DEPTH : s->alpha && c == channels - 1 ? 3 : c;
-                const float value = phone_value(channel, x, y, s->width, s->height);
+                const float value = phone_value(first + c, x, y, s->width, s->height);
                 *out++ = bits ? rintf(value * maximum) / maximum : value;
             }
     return values;
 }
 
-static bool describe_extra(JxlEncoder *encoder, size_t index, JxlExtraChannelType type, int bits, bool premultiplied) {
+static bool describe_extra(JxlEncoder *encoder, size_t index, JxlExtraChannelType type, int bits) {
     JxlExtraChannelInfo info;
     JxlEncoderInitExtraChannelInfo(type, &info);
     info.bits_per_sample = bits ? (uint32_t)bits : 32;
     info.exponent_bits_per_sample = bits ? 0 : 8;
-    info.alpha_premultiplied = premultiplied;
     return JxlEncoderSetExtraChannelInfo(encoder, index, &info) == JXL_ENC_SUCCESS;
 }
 
@@ -47,32 +45,34 @@ static bool describe(JxlEncoder *encoder, const phone_spec *s) {
     info.num_extra_channels = (uint32_t)s->alpha + (s->depth_width > 0);
     info.alpha_bits = s->alpha ? info.bits_per_sample : 0;
     info.alpha_exponent_bits = s->alpha ? info.exponent_bits_per_sample : 0;
-    info.alpha_premultiplied = s->premultiplied;
     info.uses_original_profile = !s->lossy;
     (s->linear ? JxlColorEncodingSetToLinearSRGB : JxlColorEncodingSetToSRGB)(&color, s->grey);
     if (s->primaries == 9) color.primaries = JXL_PRIMARIES_2100;
     if (s->transfer) color.transfer_function = (JxlTransferFunction)s->transfer;
     JxlEncoderUseContainer(encoder, s->container);
     return JxlEncoderSetBasicInfo(encoder, &info) == JXL_ENC_SUCCESS &&
-           (!s->alpha || describe_extra(encoder, 0, JXL_CHANNEL_ALPHA, s->bits, s->premultiplied)) &&
-           (!s->depth_width || describe_extra(encoder, s->alpha, JXL_CHANNEL_DEPTH, s->depth_bits, false)) &&
+           (!s->alpha || describe_extra(encoder, 0, JXL_CHANNEL_ALPHA, s->bits)) &&
+           (!s->depth_width || describe_extra(encoder, s->alpha, JXL_CHANNEL_DEPTH, s->depth_bits)) &&
            JxlEncoderSetColorEncoding(encoder, &color) == JXL_ENC_SUCCESS &&
            JxlEncoderSetCodestreamLevel(encoder, JxlEncoderGetRequiredCodestreamLevel(encoder)) == JXL_ENC_SUCCESS;
 }
 
 static bool add_frame(JxlEncoder *encoder, const phone_spec *s) {
     JxlEncoderFrameSettings *settings = JxlEncoderFrameSettingsCreate(encoder, NULL);
-    const int channels = (s->grey ? 1 : 3) + s->alpha;
+    const int channels = s->grey ? 1 : 3;
     JxlPixelFormat format = {(uint32_t)channels, JXL_TYPE_FLOAT, JXL_NATIVE_ENDIAN, 0}, one = {1, JXL_TYPE_FLOAT, JXL_NATIVE_ENDIAN, 0};
     const size_t bytes = (size_t)s->width * (size_t)s->height * sizeof(float);
     float *color = values_of(s, 0, channels, s->bits), *depth = values_of(s, DEPTH, 1, s->depth_bits);
-    bool good = color && depth;
+    float *alpha = values_of(s, ALPHA, 1, s->bits);
+    bool good = color && depth && alpha;
     if (!s->lossy) good = good && JxlEncoderSetFrameLossless(settings, true) == JXL_ENC_SUCCESS;
     good = good && JxlEncoderAddImageFrame(settings, &format, color, bytes * (size_t)channels) == JXL_ENC_SUCCESS;
+    if (s->alpha) good = good && JxlEncoderSetExtraChannelBuffer(settings, &one, alpha, bytes, 0) == JXL_ENC_SUCCESS;
     if (s->depth_width)
         good = good && JxlEncoderSetExtraChannelBuffer(settings, &one, depth, bytes, s->alpha) == JXL_ENC_SUCCESS;
     free(color);
     free(depth);
+    free(alpha);
     JxlEncoderCloseInput(encoder);
     return good;
 }

@@ -21,7 +21,7 @@ typedef struct phone_spec {
     const unsigned char *sei; /* what the depth means: the NAL unit; NULL: nothing is said */
     size_t sei_size;
     /* JPEG XL */
-    bool grey, premultiplied, linear, container;
+    bool grey, linear, container;
 } phone_spec;
 
 /* Channel 0 to 2 colour, 3 alpha, 4 depth: 0 to 1. */
