@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: MIT
 
 # setup.sh PURPOSE...: installs the Debian packages that PURPOSE (build, test, arm64) needs and this system lacks. Where it may
-# not, it prints the line that does, and fails.
+# not, it prints the line that does, and fails. What ddof can do without is installed where it can be had, and else left out.
 set -eu
 
 packages() {
@@ -12,6 +12,12 @@ packages() {
     test) echo libcmocka-dev binutils python3 libegl1 libgl1-mesa-dri libvulkan1 mesa-vulkan-drivers vulkan-validationlayers chromium python3-numpy ;;
     arm64) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user ;;
     *) echo "setup.sh: no such purpose: $1" >&2; exit 2 ;;
+    esac
+}
+
+optional() {
+    case $1 in
+    build) echo libheif-dev libjxl-dev ;;
     esac
 }
 
@@ -25,6 +31,13 @@ for purpose; do
         installed "$package" || missing="$missing $package"
     done
 done
+if [ "$(id -u)" = 0 ]; then # else not worth a failure
+    for purpose; do
+        for package in $(optional "$purpose"); do
+            installed "$package" || ! apt-cache show "$package" >/dev/null 2>&1 || missing="$missing $package"
+        done
+    done
+fi
 [ -n "$missing" ] || exit 0
 
 line="apt-get install -y --no-install-recommends$missing"
