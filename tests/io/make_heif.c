@@ -56,7 +56,7 @@ static void end(const bytes *b, size_t box) {
 /* ------------------------------------------------------------------------- images */
 
 /* libx265's encoder loses some kilobytes each time; LeakSanitizer is to look at the rest. */
-const char *__lsan_default_suppressions(void);
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
     return "leak:libx265\n";
 }
