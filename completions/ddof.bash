@@ -30,7 +30,7 @@ _ddof_files() {
 
 _ddof() {
     local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]} extglob
-    local pictures='exr|EXR|png|PNG|tif|tiff|TIF|TIFF|pfm|PFM'
+    local pictures='exr|EXR|png|PNG|tif|tiff|TIF|TIFF|pfm|PFM|heic|HEIC|heif|hif|HIF|avif|jxl'
     COMPREPLY=()
     extglob=$(shopt -p extglob)
     shopt -s extglob

@@ -33,6 +33,13 @@ typedef struct io_coding {
 float io_decode(const io_coding *coding, float encoded);
 float io_encode(const io_coding *coding, float linear);
 
+/* The curve for a number of ITU-T H.273 (cICP, nclx). Those of cameras (BT.709, BT.601, BT.2020) and what is unspecified
+ * are read as sRGB, as viewers show them. -1 and a line for HDR video. */
+int io_curve_of_transfer(io_coding *coding, int transfer, const char *path, io_error *error);
+/* Into picture->note: what is not sRGB's, H.273 primaries or an ICC profile. */
+void io_note_primaries(io_picture *picture, int primaries);
+void io_note_profile(io_picture *picture, const unsigned char *profile, size_t size);
+
 /* The 2^bits values (bits 1..16) that samples stand for, or NULL; to be freed. `colour`: what io_decode_row wants for a
  * colour sample, else v / maximum for alpha and extra samples. `inverted`: 0 stands for white. */
 float *io_decode_table(const io_coding *coding, int bits, bool colour, bool inverted);

@@ -18,7 +18,7 @@ typedef struct io_handler {
     int (*open)(io_picture *picture, io_meaning meaning, const io_options *options, io_error *error);
     /* Reads channels of `part` (names NULL: all of them); channels already read are left alone. */
     int (*read)(io_picture *picture, int part, const char *const *names, int name_count, io_error *error);
-    /* Gives a picture made by io_create its source. bits is checked here. */
+    /* Gives a picture made by io_create its source. bits is checked here. NULL, and write too: read only. */
     int (*create)(io_picture *picture, io_meaning meaning, io_error *error);
     /* Writes the file `temporary` from scratch. Messages name `path`, the final name. */
     int (*write)(const io_picture *picture, const char *temporary, const char *path, const io_options *options,
@@ -30,7 +30,7 @@ typedef struct io_handler {
     void (*close)(io_picture *picture);
 } io_handler;
 
-extern const io_handler io_exr, io_png, io_tiff, io_pfm;
+extern const io_handler io_exr, io_png, io_tiff, io_pfm, io_heif, io_jxl;
 const io_handler *io_handler_of(io_format format);
 
 /* Sets error->text and returns -1. The text names the file first: "shot.exr: ...". Control characters (from names in
@@ -41,6 +41,8 @@ int io_fail(io_error *error, const char *format, ...) __attribute__((format(prin
  * used at a time. -1 or NULL after saying why. */
 int io_reopen(const io_picture *picture, io_error *error);
 FILE *io_reopen_stream(const io_picture *picture, io_error *error);
+/* All bytes of the picture's file, to be freed. */
+int io_read_whole(const io_picture *picture, unsigned char **bytes, size_t *size, io_error *error);
 /* `result` of what was read from the picture's file; -1 and the line about it when the file was written to since it was
  * opened, whatever else seemed to be wrong. */
 int io_check_unchanged(const io_picture *picture, int result, io_error *error);

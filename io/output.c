@@ -239,6 +239,8 @@ int io_write(const io_picture *picture, const char *path, const io_options *opti
     if (io_format_of_name(path, &format) ? format != picture->format : d.regular)
         return io_fail(error, "%s: the picture is %s; give the output such an ending", path,
                        io_format_name(picture->format));
+    if (!io_format_writes(picture->format))
+        return io_fail(error, "%s: %s is read, but not written; convert the picture", path, io_format_name(picture->format));
     if (make_temporary(&d, error) != 0) return -1;
     int result =
         io_handler_of(picture->format)->write(picture, d.temporary, path, options ? options : &defaults, note, error);

@@ -13,7 +13,7 @@
 
 #include "coding.h"
 
-static const io_handler *const handlers[] = {&io_exr, &io_png, &io_tiff, &io_pfm};
+static const io_handler *const handlers[] = {&io_exr, &io_png, &io_tiff, &io_pfm, &io_heif, &io_jxl};
 enum { HANDLERS = sizeof handlers / sizeof handlers[0], HEAD = 32, LONGEST_SIDE = 1 << 20 };
 
 const io_handler *io_handler_of(io_format format) {
@@ -23,7 +23,7 @@ const io_handler *io_handler_of(io_format format) {
 }
 
 const char *io_format_name(io_format format) {
-    static const char *const names[] = {[IO_EXR] = "EXR", [IO_PNG] = "PNG", [IO_TIFF] = "TIFF", [IO_PFM] = "PFM"};
+    static const char *const names[] = {[IO_EXR] = "EXR", [IO_PNG] = "PNG", [IO_TIFF] = "TIFF", [IO_PFM] = "PFM", [IO_HEIF] = "HEIF", [IO_JXL] = "JPEG XL"};
     return names[format];
 }
 
@@ -31,7 +31,8 @@ bool io_format_of_name(const char *path, io_format *format) {
     static const struct {
         const char *ending;
         io_format format;
-    } endings[] = {{".exr", IO_EXR}, {".png", IO_PNG}, {".tif", IO_TIFF}, {".tiff", IO_TIFF}, {".pfm", IO_PFM}};
+    } endings[] = {{".exr", IO_EXR},   {".png", IO_PNG},   {".tif", IO_TIFF}, {".tiff", IO_TIFF}, {".pfm", IO_PFM},
+                   {".heic", IO_HEIF}, {".heif", IO_HEIF}, {".hif", IO_HEIF}, {".avif", IO_HEIF}, {".jxl", IO_JXL}};
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot && i < sizeof endings / sizeof endings[0]; i++)
         if (strcasecmp(dot, endings[i].ending) == 0) {
@@ -39,6 +40,10 @@ bool io_format_of_name(const char *path, io_format *format) {
             return true;
         }
     return false;
+}
+
+bool io_format_writes(io_format format) {
+    return io_handler_of(format)->write != NULL;
 }
 
 int io_fail(io_error *error, const char *format, ...) {
@@ -245,6 +250,26 @@ FILE *io_reopen_stream(const io_picture *picture, io_error *error) {
     return stream;
 }
 
+int io_read_whole(const io_picture *picture, unsigned char **bytes, size_t *size, io_error *error) {
+    *bytes = NULL;
+    *size = (size_t)picture->stamp.size;
+    if (io_check_memory(picture->path, (uint64_t)picture->stamp.size, error) != 0) return -1;
+    FILE *file = io_reopen_stream(picture, error);
+    if (!file) return -1;
+    unsigned char *read = malloc(*size ? *size : 1);
+    int result = 0;
+    if (!read)
+        result = io_fail(error, "%s: not enough memory to read it", picture->path);
+    else if (fread(read, 1, *size, file) != *size)
+        result = io_fail(error, "%s: cannot be read: %s", picture->path, ferror(file) ? strerror(errno) : "it ends early");
+    fclose(file);
+    if (result == 0)
+        *bytes = read;
+    else
+        free(read);
+    return result;
+}
+
 static bool take_stamp(int file, io_stamp *stamp) {
     struct stat status;
     if (fstat(file, &status) != 0) return false;
@@ -289,7 +314,7 @@ static const io_handler *recognise(int file, const char *path, io_error *error) 
     for (int i = 0; i < HANDLERS; i++)
         if (handlers[i]->matches(head, (size_t)size)) return handlers[i];
     io_fail(error,
-            size ? "%s: is no EXR, PNG, TIFF or PFM picture; convert it to one of these"
+            size ? "%s: is no EXR, PNG, TIFF, PFM, HEIC, AVIF or JPEG XL picture; convert it to one of these"
                  : "%s: is empty; write or copy it again",
             path);
     return NULL;
@@ -362,6 +387,10 @@ int io_create_in(io_picture **picture, io_format format, int width, int height, 
     *picture = NULL;
     io_picture *made = new_picture("new picture", format, error);
     if (!made) return -1;
+    if (!io_format_writes(format)) {
+        io_fail(error, "%s: %s is read, but not written; choose EXR, PNG, TIFF or PFM", made->path, io_format_name(format));
+        goto failed;
+    }
     io_box box = {0, 0, width, height};
     io_part *part = NULL;
     if (io_check_size(made->path, width, height, NULL, error) != 0) goto failed;

@@ -1,7 +1,7 @@
 /* SPDX-FileCopyrightText: 2026 The ddof authors
  * SPDX-License-Identifier: MIT */
 
-/* Pictures in files, one table for all formats: EXR, PNG, TIFF, PFM. A picture is opened (header only),
+/* Pictures in files, one table for all formats: EXR, PNG, TIFF, PFM, HEIF, JPEG XL. A picture is opened (header only),
  * its pixels are read, channels are replaced, and it is written whole under a temporary name, then renamed.
  *
  * No other part of the project knows a file format; the library (src/) knows no files at all.
@@ -23,18 +23,35 @@ typedef struct io_error {
 typedef enum io_type { IO_HALF, IO_FLOAT, IO_UINT } io_type;
 size_t io_type_size(io_type type);
 
-typedef enum io_format { IO_EXR, IO_PNG, IO_TIFF, IO_PFM } io_format;
+typedef enum io_format { IO_EXR, IO_PNG, IO_TIFF, IO_PFM, IO_HEIF /* HEIC, AVIF */, IO_JXL } io_format;
 const char *io_format_name(io_format format); /* "EXR", ... */
-/* By the name's ending (.exr .png .tif .tiff .pfm, any case); false when it is none of them. */
+/* By the name's ending (.exr .png .tif .tiff .pfm .heic .heif .hif .avif .jxl, any case); false when it is none. */
 bool io_format_of_name(const char *path, io_format *format);
+/* HEIF and JPEG XL are read only. */
+bool io_format_writes(io_format format);
 
 typedef struct io_box {
     int x, y, width, height;
 } io_box; /* top-left inclusive */
 
+/* What the values of a depth channel mean, as far as its file says. */
+typedef enum io_depth_kind {
+    IO_DEPTH_UNSAID,
+    IO_DEPTH_LINEAR,   /* the distance is linear in the value */
+    IO_DEPTH_DISPARITY /* 1 / distance is linear in the value */
+} io_depth_kind;
+
+typedef struct io_depth {
+    io_depth_kind kind;
+    double at_0, at_1; /* the distances meant by 0 and 1: > 0 and different, one may be infinite with IO_DEPTH_DISPARITY;
+                          0 both when the file does not say */
+} io_depth;
+
 typedef struct io_channel {
-    char *name; /* "R", "diffuse.R", "left.Z": as in the file. PNG/TIFF/PFM: R G B A or Y (A) */
+    char *name; /* "R", "diffuse.R", "left.Z": as in the file. PNG/TIFF/PFM: R G B A or Y (A); HEIF, JPEG XL: also depth */
     io_type type;
+    bool integer;   /* the file holds integers v, this v / maximum: 0 to 1 */
+    io_depth depth;
     int x_sampling, y_sampling; /* 1 but for subsampled EXR chroma */
     int width, height;          /* of the data */
     void *data;                 /* NULL until io_read; planar, tightly packed, row 0 on top, 64-byte aligned;
@@ -78,6 +95,7 @@ typedef struct io_picture {
     int part_count;
     io_part *part;
     const io_memory *memory;  /* of the options it was opened with */
+    io_error note;            /* one line of what is not as the file says, profiles of colour for one; "" for nothing */
     struct io_source *source; /* what the format keeps: header attributes, text chunks, raw tags */
     int row, rows;            /* of the data that are being read, see io_read_rows(); rows 0: all */
 } io_picture;

@@ -141,15 +141,7 @@ static uint32_t big_endian(const unsigned char *p) {
 static int choose_curve(io_source *source, const char *path, io_error *error) {
     const io_png_chunk *cicp = io_png_find_chunk(source, "cICP");
     source->coding.curve = IO_CURVE_SRGB;
-    if (cicp != NULL && cicp->size == 4) {
-        int transfer = cicp->data[1]; /* ITU-T H.273 */
-        if (transfer == 16 || transfer == 18)
-            return io_fail(error,
-                           "%s: its colour is HDR video (%s), which is not decoded here; convert it to a linear EXR",
-                           path, transfer == 16 ? "PQ" : "HLG");
-        if (transfer == 8) source->coding.curve = IO_CURVE_LINEAR;
-        return 0;
-    }
+    if (cicp != NULL && cicp->size == 4) return io_curve_of_transfer(&source->coding, cicp->data[1], path, error);
     const io_png_chunk *gama = io_png_find_chunk(source, "gAMA");
     if (gama == NULL || gama->size != 4 || io_png_find_chunk(source, "sRGB") || io_png_find_chunk(source, "iCCP"))
         return 0;
@@ -184,8 +176,11 @@ static int add_part(io_picture *picture, const io_source *source) {
     io_box box = {0, 0, (int)source->width, (int)source->height};
     io_part *part = io_add_part(picture, "", "", box, box);
     if (part == NULL) return -1;
-    for (int c = 0; c < source->channels; c++)
-        if (io_add_channel(part, source->channels <= 2 ? grey[c] : rgb[c], IO_FLOAT, 1, 1) == NULL) return -1;
+    for (int c = 0; c < source->channels; c++) {
+        io_channel *channel = io_add_channel(part, source->channels <= 2 ? grey[c] : rgb[c], IO_FLOAT, 1, 1);
+        if (channel == NULL) return -1;
+        channel->integer = true;
+    }
     part->pixel_aspect = pixel_aspect(source);
     part->compression = "deflate";
     part->storage = source->interlaced ? "interlaced" : "scanline";

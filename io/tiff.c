@@ -286,7 +286,11 @@ static int add_part(io_picture *picture, const io_source *source, TIFF *tiff) {
                            : c >= source->colours ? extra
                            : source->colours == 3 ? rgb[c]
                                                   : "Y";
-        if (io_add_channel(part, name, IO_FLOAT, 1, 1) == NULL) part = NULL;
+        io_channel *channel = io_add_channel(part, name, IO_FLOAT, 1, 1);
+        if (channel == NULL)
+            part = NULL;
+        else
+            channel->integer = source->kind == IO_TIFF_UINT;
     }
     if (part == NULL) return -1;
     part->pixel_aspect = pixel_aspect(tiff);

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: MIT
 
 # setup.sh PURPOSE...: installs the Debian packages that PURPOSE (build, test, arm64, farm) needs and this system lacks. Where it
-# may not, it prints the line that does, and fails.
+# may not, it prints the line that does, and fails. What ddof can do without is installed where it can be had, and else left out.
 set -eu
 
 packages() {
@@ -13,6 +13,12 @@ packages() {
     arm64) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user ;;
     farm) echo slurmctld slurmd slurm-client munge ;;
     *) echo "setup.sh: no such purpose: $1" >&2; exit 2 ;;
+    esac
+}
+
+optional() {
+    case $1 in
+    build) echo libheif-dev libjxl-dev ;;
     esac
 }
 
@@ -26,6 +32,13 @@ for purpose; do
         installed "$package" || missing="$missing $package"
     done
 done
+if [ "$(id -u)" = 0 ]; then # else not worth a failure
+    for purpose; do
+        for package in $(optional "$purpose"); do
+            installed "$package" || ! apt-cache show "$package" >/dev/null 2>&1 || missing="$missing $package"
+        done
+    done
+fi
 [ -n "$missing" ] || exit 0
 
 line="apt-get install -y --no-install-recommends$missing"

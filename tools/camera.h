@@ -17,6 +17,7 @@ typedef struct camera {
     double unit;           /* millimetres in one scene unit */
     bool has_depth_kind;
     ddof_depth_kind depth_kind;
+    double z_at_0, z_at_1; /* of that kind, in the depth's unit; a picture may say it, a camera file does not */
     char depth_channel[256];
     char entry[256]; /* the name of the entry of "renders" that f-number and focus came from */
 } camera;

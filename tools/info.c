@@ -154,12 +154,31 @@ static void print_lens(const metadata *lens) {
     if (any) printf("\n");
 }
 
+/* "device" and "normalized" are words of --depth-kind, NULL: the file does not say. */
+static const char *depth_kind_word(const io_depth *depth) {
+    return depth->kind == IO_DEPTH_LINEAR ? "normalized" : depth->kind == IO_DEPTH_DISPARITY ? "device" : NULL;
+}
+
+static void print_meaning(const io_channel *channel) {
+    const io_depth *depth = &channel->depth;
+    if (!depth_kind_word(depth)) {
+        if (channel->integer) printf("  its values, 0 to 1, are not said to mean anything: give --depth-kind, --near and --far\n");
+        return;
+    }
+    printf("  the file says: --depth-kind %s", depth_kind_word(depth));
+    if (depth->at_0 > 0)
+        printf(" --near %g --far %g\n", depth->at_0, depth->at_1);
+    else
+        printf(", but not --near and --far\n");
+}
+
 static void print_human(const contents *c) {
     print_name(c->input->path);
     printf(": %s, %d part%s\n", io_format_name(c->input->format), c->input->part_count,
            c->input->part_count == 1 ? "" : "s");
     for (int i = 0; i < c->input->part_count; i++)
         print_part(&c->input->part[i], i);
+    if (*c->input->note.text) printf("note: %s\n", c->input->note.text);
     print_lens(&c->lens);
     printf("colour:");
     if (c->has_color)
@@ -181,6 +200,7 @@ static void print_human(const contents *c) {
     if (range->far) printf(", %zu pixels infinitely far", range->far);
     if (range->holes) printf(", %zu pixels NaN", range->holes);
     printf("\n");
+    print_meaning(depth_channel(c));
 }
 
 /* ------------------------------------------------------------------------- for programs */
@@ -235,6 +255,17 @@ static cJSON *lens_object(const metadata *lens) {
     return object;
 }
 
+/* near and far are null for what JSON has no number for: infinity, and what the file does not say. */
+static void add_meaning(cJSON *object, const io_channel *channel) {
+    const io_depth *depth = &channel->depth;
+    if (depth_kind_word(depth))
+        json_text(object, "kind", depth_kind_word(depth));
+    else
+        cJSON_AddNullToObject(object, "kind");
+    json_number(object, "near", depth->at_0 > 0 ? depth->at_0 : NAN);
+    json_number(object, "far", depth->at_1 > 0 ? depth->at_1 : NAN);
+}
+
 static int print_json(const contents *c) {
     cJSON *object = cJSON_CreateObject(), *parts = cJSON_CreateArray(), *color = cJSON_CreateNull();
     cJSON *depth = cJSON_CreateNull();
@@ -259,6 +290,7 @@ static int print_json(const contents *c) {
         json_integer(depth, "distances", (double)c->range.distances);
         json_integer(depth, "infinitely_far", (double)c->range.far);
         json_integer(depth, "nan", (double)c->range.holes);
+        add_meaning(depth, depth_channel(c));
     }
     cJSON_AddItemToObject(object, "depth", depth);
     cJSON_AddItemToObject(object, "lens", lens_object(&c->lens));

@@ -131,14 +131,29 @@ static int open_blur(job *j, const options *o) {
 
 /* An integer file holds 0..1, which is never a distance by itself. */
 static int check_integer_depth(const job *j, const options *o) {
-    const io_picture *picture = blur_picture(j);
     const io_channel *channel = blur_channel(j);
-    bool integer = picture->format == IO_PNG ||
-                   (picture->format == IO_TIFF && channel->type == IO_FLOAT && picture->part[j->blur.part].bits <= 16);
-    if (!integer || option_given(o, OPT_COC) || option_given(o, OPT_DEPTH_KIND)) return 0;
+    if (!channel->integer || channel->depth.kind != IO_DEPTH_UNSAID || option_given(o, OPT_COC) ||
+        option_given(o, OPT_DEPTH_KIND))
+        return 0;
     return fail_usage("--depth-kind: missing; %s holds values from 0 to 1: say what they mean with --depth-kind "
                       "normalized or device (disparity), --near Z and --far Z",
-                      picture->path);
+                      blur_picture(j)->path);
+}
+
+/* What the picture says of its depth, where the camera file says nothing. */
+static void take_depth_meaning(job *j) {
+    const io_depth *said = &blur_channel(j)->depth;
+    if (said->kind == IO_DEPTH_UNSAID || j->file.has_depth_kind) return;
+    j->file.has_depth_kind = true;
+    j->file.depth_kind = said->kind == IO_DEPTH_LINEAR ? DDOF_DEPTH_NORMALIZED : DDOF_DEPTH_DEVICE;
+    j->file.z_at_0 = said->at_0;
+    j->file.z_at_1 = said->at_1;
+}
+
+/* What a file says and nobody heeds is worth a line. */
+static void pass_notes(const job *j) {
+    if (*j->input->note.text) note("note: %s", j->input->note.text);
+    if (j->second && *j->second->note.text) note("note: %s", j->second->note.text);
 }
 
 /* ------------------------------------------------------------------------- one grid */
@@ -281,6 +296,7 @@ static int open_files(job *j, const options *o, ptrdiff_t *first) {
     if (status == 0 && option_given(o, OPT_METADATA)) status = read_metadata(j, o);
     if (status == 0) status = open_blur(j, o);
     if (status == 0) status = check_integer_depth(j, o);
+    if (status == 0) take_depth_meaning(j);
     if (status == 0 && !option_given(o, OPT_COC))
         status = lens_settings(&j->settings, o, &j->file, job_part(j)->display.width);
     if (status == 0) status = align_blur(j, o, first);
@@ -312,6 +328,7 @@ int job_open(job *j, const options *o, const session *s, const io_format *rewrit
         status = holdout_read(&j->holdout, option_text(o, OPT_HOLDOUT), o->file[0], &j->frame.color, &j->reading);
         j->frame.holdout = &j->holdout.image;
     }
+    if (status == 0) pass_notes(j);
     if (status) job_close(j);
     return status;
 }

@@ -45,8 +45,9 @@ static int depth_settings(ddof_depth *depth, const options *o, const camera *fil
     if (option_given(o, OPT_DEPTH_KIND)) depth->kind = (ddof_depth_kind)option_number(o, OPT_DEPTH_KIND, 0);
     bool between = depth->kind == DDOF_DEPTH_NORMALIZED || depth->kind == DDOF_DEPTH_DEVICE;
     const option_id ends[2] = {OPT_NEAR, OPT_FAR};
+    const bool said = file->has_depth_kind && file->depth_kind == depth->kind && file->z_at_0 > 0 && file->z_at_1 > 0;
     for (int i = 0; i < 2; i++) {
-        if (between && !option_given(o, ends[i]))
+        if (between && !said && !option_given(o, ends[i]))
             return fail_usage("--%s: missing; --depth-kind normalized and device need --near (the distance of depth 0) "
                               "and --far (that of depth 1)",
                               option_name(ends[i]));
@@ -56,8 +57,8 @@ static int depth_settings(ddof_depth *depth, const options *o, const camera *fil
                 option_name(ends[i]));
     }
     if (!between) return 0;
-    depth->z_at_0 = option_number(o, OPT_NEAR, 0);
-    depth->z_at_1 = option_number(o, OPT_FAR, 0);
+    depth->z_at_0 = option_number(o, OPT_NEAR, said ? file->z_at_0 : 0);
+    depth->z_at_1 = option_number(o, OPT_FAR, said ? file->z_at_1 : 0);
     if (depth->z_at_0 == depth->z_at_1)
         return fail_usage("--near: the same as --far (%g); depth needs two different ends", depth->z_at_0);
     bool infinite = isinf(depth->z_at_0) || isinf(depth->z_at_1);

@@ -16,6 +16,9 @@ int output_check(option_id option, const char *path, io_format *format) {
     const char *name = option_table[option].name;
     if (!io_format_of_name(path, format))
         return fail_usage("--%s: %s: unknown ending; use .exr, .png, .tif, .tiff or .pfm", name, path);
+    if (!io_format_writes(*format))
+        return fail_usage("--%s: %s: %s is read, but not written; use .exr, .png, .tif, .tiff or .pfm", name, path,
+                          io_format_name(*format));
     struct stat info;
     if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
         return fail("%s: is a folder; give --%s the name of a file", path, name);
@@ -73,7 +76,8 @@ static void note_losses(const io_picture *input, const io_selection *color, io_f
     int channels = 0;
     for (int i = 0; i < input->part_count; i++)
         channels += input->part[i].channel_count;
-    const char *curve = format == IO_PNG && input->format != IO_PNG ? "sRGB-encoded, " : "";
+    const bool linear = !input->part[color->part].channel[color->channel[0]].integer || input->format == IO_TIFF;
+    const char *curve = format == IO_PNG && linear ? "sRGB-encoded, " : "";
     const char *alpha = kept < color->count ? "without alpha, " : "";
     const int others = channels - color->count;
     if (others > 0)
@@ -92,8 +96,7 @@ typedef struct target {
 static target target_of(const io_picture *input, const io_selection *color, io_format format) {
     const io_part *part = &input->part[color->part];
     const io_type source = part->channel[color->channel[0]].type;
-    const bool integer =
-        input->format == IO_PNG || (input->format == IO_TIFF && part->bits <= 16 && source == IO_FLOAT);
+    const bool integer = part->channel[color->channel[0]].integer;
     const bool eight = integer && part->bits == 8;
     if (format == IO_PFM) return (target){IO_FLOAT, 32};
     if (format == IO_PNG || (format == IO_TIFF && integer)) return (target){IO_FLOAT, eight ? 8 : 16};

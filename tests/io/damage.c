@@ -38,6 +38,7 @@ void assert_refused(const char *path, const char *words) {
 
 /* ------------------------------------------------------------------------- silence */
 
+bool library_prints;
 static int saved[2], sink;
 
 static void begin_silence(void) {
@@ -63,7 +64,7 @@ static void end_silence(void) {
     }
     assert_int_equal(fstat(sink, &status), 0);
     close(sink);
-    assert_int_equal(status.st_size, 0);
+    if (!library_prints) assert_int_equal(status.st_size, 0);
 }
 
 /* ------------------------------------------------------------------------- damage */

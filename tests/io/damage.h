@@ -8,6 +8,9 @@
 
 #include "support.h"
 
+/* Set it where a library prints of damaged files by itself, as Debian's libjxl does, and the decoders of libheif; else nothing may be printed. */
+extern bool library_prints;
+
 uint32_t next_random(uint32_t *state);
 
 /* Opens and reads whatever is at `path`; a failure is checked to be one line. */
