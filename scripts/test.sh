@@ -44,7 +44,7 @@ run() {
     echo "== $variant"
     compilers=
     [ "$1" = fuzz ] && compilers="env CC=clang CXX=clang++"
-    if ! { [ -f "$dir/build.ninja" ] || $compilers meson setup "$dir" $flags; } >"build-test/$variant.log" 2>&1 ||
+    if ! { [ -f "$dir/build.ninja" ] || $compilers meson setup "$dir" -Dshader_cache="$PWD/build-test/shader_cache" $flags; } >"build-test/$variant.log" 2>&1 ||
        ! ninja -C "$dir" >>"build-test/$variant.log" 2>&1; then
         tail -n 40 "build-test/$variant.log"
         echo "$variant: the build failed (build-test/$variant.log)"

@@ -35,7 +35,7 @@ void catch_signals(void) {
 }
 
 void signals_hold(void) {
-    held = 1;
+    if (!held) held = 1; /* by the first of several threads, before there are others */
 }
 
 bool interrupted(void) {

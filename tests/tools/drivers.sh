@@ -8,7 +8,7 @@
 ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
 TSAN_OPTIONS="${TSAN_OPTIONS:-}:ignore_noninstrumented_modules=1"
 LIBGL_ALWAYS_SOFTWARE=1
-MESA_SHADER_CACHE_DIR=$work
+: "${MESA_SHADER_CACHE_DIR:=$work}"
 export ASAN_OPTIONS TSAN_OPTIONS LIBGL_ALWAYS_SOFTWARE MESA_SHADER_CACHE_DIR
 for icd in /usr/share/vulkan/icd.d/lvp_icd.*.json; do
     [ -f "$icd" ] && VK_ICD_FILENAMES=$icd && export VK_ICD_FILENAMES

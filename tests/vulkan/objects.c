@@ -83,7 +83,7 @@ static void own_scratch(void **state) {
     for (int k = 0; k < 2 * METHODS; k++) {
         const ddof_settings settings = method(k, DDOF_SURFACE_RGBA32F);
         frame_set set =
-            set_make((frame_kind){.width = 77 + k,
+            set_make((frame_kind){.width = 77 + k % 2, /* drivers compile anew for every few pixels */
                                   .height = 60,
                                   .output = k / METHODS ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_SFLOAT,
                                   .coc = COC_SMOOTH},
@@ -158,16 +158,17 @@ static void one_command_buffer(void **state) {
                                     VK_FORMAT_R16G16B16A16_SFLOAT};
         const ddof_settings settings =
             heat_method(k, k % 3 ? DDOF_SURFACE_RGBA16F : DDOF_SURFACE_RGBA32F, DDOF_CONDUCTANCE_MATCHED, k % 3);
-        frame_set set = set_make((frame_kind){.width = 64 + k,
+        const int width = 77 + k % 4;
+        frame_set set = set_make((frame_kind){.width = width,
                                               .height = 50,
                                               .output = outputs[k / METHODS],
                                               .layout = VK_IMAGE_LAYOUT_GENERAL,
                                               .coc = COC_SMOOTH},
                                  32);
         picture *output = set.kind.output ? &set.output : &set.color;
-        picture color = picture_make(set.kind.color, 64 + k, 50, 0, VK_IMAGE_LAYOUT_GENERAL);
-        picture map = picture_make(set.kind.map, 64 + k, 50, 0, VK_IMAGE_LAYOUT_GENERAL);
-        picture result = picture_make(output->d.format, 64 + k, 50, 0, VK_IMAGE_LAYOUT_GENERAL);
+        picture color = picture_make(set.kind.color, width, 50, 0, VK_IMAGE_LAYOUT_GENERAL);
+        picture map = picture_make(set.kind.map, width, 50, 0, VK_IMAGE_LAYOUT_GENERAL);
+        picture result = picture_make(output->d.format, width, 50, 0, VK_IMAGE_LAYOUT_GENERAL);
         float *want = set_want(&set, NULL, &settings);
         ddof_vulkan_frame *frame = frame_of(vk, &set, &settings);
         VkCommandBuffer commands = own_begin();
@@ -274,7 +275,7 @@ static void dispatches(void **state) {
         tap_forget();
         assert_int_equal(ddof_vulkan_create(&vk, &config), DDOF_OK);
         ddof_settings settings = method(k / 4, (ddof_surface)(k % 3));
-        frame_set set = set_make((frame_kind){.width = 120 + k, .height = 90, .output = VK_FORMAT_R8G8B8A8_UNORM}, 35);
+        frame_set set = set_make((frame_kind){.width = 121 + k % 4, .height = 90, .output = VK_FORMAT_R8G8B8A8_UNORM}, 35);
         ddof_vulkan_frame *frame = frame_of(vk, &set, &settings);
         const int calls = tap.calls, live = tap.live, allocations = host.allocations, blocks = memory.calls;
         assert_true(calls > 0 && live > 0 && blocks > 0);
