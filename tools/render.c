@@ -136,7 +136,7 @@ static int report_work(frame_report *made, const job *j, const options *o, const
         made->object = report_json(j, o, s, r, total);
         return made->object ? 0 : fail("--json: out of memory");
     }
-    if (option_given(o, OPT_QUIET)) return 0;
+    if (option_given(o, OPT_QUIET) || o->frame >= 0) return 0;
     size_t size;
     FILE *out = open_memstream(&made->text, &size);
     if (!out) return fail("%s: out of memory for its report", o->file[0]);
@@ -191,13 +191,18 @@ static int encode(const job *j, const options *o, io_format format, timing *time
     return status;
 }
 
+/* Of a shot nobody is told of it but by --json. */
+static bool range_wanted(const options *o) {
+    return option_given(o, OPT_JSON) || (!option_given(o, OPT_QUIET) && o->frame < 0);
+}
+
 static int work(job *j, const options *o, session *s, io_format format, report *r) {
     io_picture *preview = NULL;
     const double begin = now_ms();
     int status = preview_begin(&preview, j, o);
     r->time.preview = now_ms() - begin;
     if (status == 0) status = method_none(o) ? leave_sharp(j, r) : solve(j, o, s, r);
-    if (status == 0 && !method_none(o) && (option_given(o, OPT_JSON) || !option_given(o, OPT_QUIET)))
+    if (status == 0 && !method_none(o) && range_wanted(o))
         r->has_range = job_coc_range(j, s, r->stats.focus_distance, &r->coc_low, &r->coc_high);
     /* its files need not reach the disk, and make room for the output */
     if (scratch_streams()) ddof_trim(s->context);
