@@ -13,6 +13,7 @@ enum {
     LONGEST_NAME = 255,
     MOST_CHANNELS = 4096,
     MOST_PARTS = 4096,
+    MOST_VIEWS = 64,
     MOST_ATTRIBUTES = 1 << 16,
     LARGEST_COORDINATE = 1 << 29
 };
@@ -309,13 +310,26 @@ static const char *storage_name(const io_exr_part *layout) {
                                                   : "ripmap tiled";
 }
 
-/* The view of a part; of a file with views in one part, the one whose channels have no prefix: the first listed. */
-static char *copy_view(const io_exr_part *layout) {
+/* The views of a part that has several: "multiView", of texts with their lengths before them. Its own is the one whose
+ * channels have no prefix: the first. False: out of memory. */
+static bool take_views(const io_exr_part *layout, io_part *part) {
     const io_exr_attribute *views = io_exr_find(layout, "multiView");
-    if (io_exr_find(layout, "view") || !views || strcmp(views->type, "stringvector") != 0 || views->size < 4)
-        return copy_string(layout, "view");
-    uint32_t size = io_get32(views->value);
-    return size <= views->size - 4 ? strndup((const char *)views->value + 4, size) : strdup("");
+    if (io_exr_find(layout, "view") || !views || strcmp(views->type, "stringvector") != 0) return true;
+    part->views = calloc(MOST_VIEWS, sizeof *part->views);
+    if (!part->views) return false;
+    for (uint32_t at = 0; part->view_count < MOST_VIEWS && views->size - at >= 4;) {
+        const uint32_t size = io_get32(views->value + at);
+        at += 4;
+        if (size > views->size - at) break;
+        char *name = strndup((const char *)views->value + at, size);
+        if (!name) return false;
+        part->views[part->view_count++] = name;
+        at += size;
+    }
+    if (part->view_count == 0) return true;
+    free(part->view);
+    part->view = strdup(part->views[0]);
+    return part->view != NULL;
 }
 
 /* A declared size that the file cannot hold even if every codec did its best: a damaged header, or a bomb. */
@@ -348,11 +362,11 @@ static int parse_part(parser *p, io_picture *picture, io_exr_source *source, io_
                        p->path, layout->compression);
     if (layout->line_order > IO_EXR_RANDOM_Y) return io_fail(p->error, "%s: 'lineOrder' is damaged", p->path);
 
-    char *name = copy_string(layout, "name"), *view = copy_view(layout);
+    char *name = copy_string(layout, "name"), *view = copy_string(layout, "view");
     io_part *part = name && view ? io_add_part(picture, name, view, data, display) : NULL;
     free(name);
     free(view);
-    if (!part) return io_fail(p->error, "%s: not enough memory", p->path);
+    if (!part || !take_views(layout, part)) return io_fail(p->error, "%s: not enough memory", p->path);
     if (aspect && aspect->size == 4 && get_float(aspect->value) > 0 && isfinite(get_float(aspect->value)))
         part->pixel_aspect = get_float(aspect->value);
     part->compression = io_exr_compression_name(layout->compression);

@@ -211,6 +211,8 @@ void io_close(io_picture **picture) {
         free(part->channel);
         free(part->name);
         free(part->view);
+        for (int v = 0; v < part->view_count; v++) free(part->views[v]);
+        free(part->views);
     }
     free(p->part);
     free(p->path);

@@ -62,6 +62,8 @@ typedef struct io_channel {
 typedef struct io_part {
     char *name, *view;    /* "" when the file gives none; of several views in one part (multiView) the one whose
                              channels have no prefix */
+    int view_count;
+    char **views;         /* of several in one part (multiView): all of them, that one first */
     io_box data, display; /* windows */
     double pixel_aspect;
     const char *compression; /* "ZIP", "DWAA", "deflate", "none", ... static text */
@@ -192,6 +194,21 @@ typedef struct io_selection {
  * in the first flat part that has it. `layer` given: exactly that prefix, or "part:prefix", or a part or a view of that
  * name. The error lists what there is. Luminance with chroma (Y RY BY) and subsampled channels are refused. */
 int io_select_color(const io_picture *picture, const char *layer, io_selection *selection, io_error *error);
+
+/* The colour of `view` that corresponds to that of another view: the same layer, else what would be taken if the view were alone. */
+int io_select_color_of_view(const io_picture *picture, const io_selection *other, const char *view, io_selection *selection,
+                            io_error *error);
+
+/* The view a channel belongs to: the word of its name that is one (OpenEXR: the last but one; others: the first), else that of
+ * its part; "" where nothing says. */
+const char *io_channel_view(const io_part *part, int channel);
+/* Its name without that word. */
+void io_channel_plain_name(const io_part *part, int channel, char *name, size_t size);
+/* The views of the flat parts, in the order of the file; how many there are, of which `most` are written. */
+int io_views(const io_picture *picture, const char **views, int most);
+
+/* What there is, for messages, by commas; ends in "..." where it is long. */
+void io_list_channels(const io_picture *picture, char *text, size_t size);
 
 /* Depth: `name` NULL: Z, then *.Z (but not of a vector X Y Z), *depth, and what else is named like depth: a part's only
  * channel, or one of depth.Y, depth.R...; of these the one of the same view as `near_color` (may be NULL), then with

@@ -65,8 +65,7 @@ static int find_one(const io_part *part, const char *prefix, size_t length, cons
     return find(part, prefix, length, names, false);
 }
 
-/* What there is, for messages; ends in "..." where it is long. */
-static void list_channels(const io_picture *picture, char *text, size_t size) {
+void io_list_channels(const io_picture *picture, char *text, size_t size) {
     size_t used = 0;
     text[0] = '\0';
     for (int p = 0; p < picture->part_count; p++)
@@ -81,6 +80,64 @@ static void list_channels(const io_picture *picture, char *text, size_t size) {
             }
             used += (size_t)length;
         }
+}
+
+/* ------------------------------------------------------------------------- views */
+
+static bool is_word(const char *text, size_t length, const char *word) {
+    return strlen(word) == length && memcmp(text, word, length) == 0;
+}
+
+/* Where in the channel's name the word lies that is a view, or NULL; with the dot behind it it has *length characters. */
+static const char *view_word(const io_part *part, const char *name, const char **view, size_t *length) {
+    const char *last = last_name(name), *start = last > name ? last - 1 : name;
+    while (start > name && start[-1] != '.') start--;
+    const char *const places[] = {start, name};
+    for (int i = 0; i < 2 && last > name; i++)
+        for (int v = 0; v < part->view_count; v++) {
+            const size_t size = strcspn(places[i], ".");
+            if (!is_word(places[i], size, part->views[v])) continue;
+            *view = part->views[v];
+            *length = size + 1;
+            return places[i];
+        }
+    return NULL;
+}
+
+const char *io_channel_view(const io_part *part, int channel) {
+    const char *view = part->view;
+    size_t length;
+    view_word(part, part->channel[channel].name, &view, &length);
+    return view;
+}
+
+void io_channel_plain_name(const io_part *part, int channel, char *name, size_t size) {
+    const char *whole = part->channel[channel].name, *view;
+    size_t length;
+    const char *word = view_word(part, whole, &view, &length);
+    if (word)
+        snprintf(name, size, "%.*s%s", (int)(word - whole), whole, word + length);
+    else
+        snprintf(name, size, "%s", whole);
+}
+
+static int add_view(const char **views, int count, int most, const char *view) {
+    for (int i = 0; i < count && i < most; i++)
+        if (strcmp(views[i], view) == 0) return count;
+    if (!view[0]) return count;
+    if (count < most) views[count] = view;
+    return count + 1;
+}
+
+int io_views(const io_picture *picture, const char **views, int most) {
+    int count = 0;
+    for (int p = 0; p < picture->part_count; p++) {
+        const io_part *part = &picture->part[p];
+        if (!usable(part)) continue;
+        count = add_view(views, count, most, part->view);
+        for (int v = 0; v < part->view_count; v++) count = add_view(views, count, most, part->views[v]);
+    }
+    return count;
 }
 
 /* ------------------------------------------------------------------------- colour */
@@ -199,10 +256,76 @@ static int check_selection(const io_picture *picture, const io_selection *s, io_
     return 0;
 }
 
+/* Whether two parts' names differ in nothing but the name of their view. */
+static bool same_but_view(const io_part *a, const io_part *b) {
+    const size_t va = strlen(a->view), vb = strlen(b->view);
+    const char *at = va ? strstr(a->name, a->view) : NULL;
+    if (!at || !vb) return false;
+    const size_t before = (size_t)(at - a->name);
+    return strncmp(a->name, b->name, before) == 0 && strncmp(b->name + before, b->view, vb) == 0 &&
+           strcmp(at + va, b->name + before + vb) == 0;
+}
+
+/* In its own part the other view's name is a word of the prefix. */
+static bool by_view_prefix(const io_picture *picture, const io_selection *other, const char *view, io_selection *s) {
+    const io_part *part = &picture->part[other->part];
+    char plain[256], prefix[2][600];
+    io_channel_plain_name(part, other->channel[0], plain, sizeof plain);
+    plain[prefix_length(plain)] = 0;
+    snprintf(prefix[0], sizeof prefix[0], "%s%s.", plain, view);
+    snprintf(prefix[1], sizeof prefix[1], "%s.%s", view, plain);
+    for (int i = 0; i < 2 && part->view_count; i++)
+        if (choose_rgb(picture, other->part, prefix[i], strlen(prefix[i]), true, s) ||
+            choose_grey(picture, other->part, prefix[i], strlen(prefix[i]), s))
+            return true;
+    if (!part->view_count || strcmp(view, part->view) != 0) return false;
+    return choose_rgb(picture, other->part, plain, strlen(plain), true, s) ||
+           choose_grey(picture, other->part, plain, strlen(plain), s);
+}
+
+int io_select_color_of_view(const io_picture *picture, const io_selection *other, const char *view, io_selection *selection,
+                            io_error *error) {
+    const io_part *from = &picture->part[other->part];
+    *selection = *other;
+    if (strcmp(io_channel_view(from, other->channel[0]), view) == 0) return 0;
+    if (by_view_prefix(picture, other, view, selection)) return check_selection(picture, selection, error);
+    for (int p = 0; p < picture->part_count; p++) {
+        const io_part *part = &picture->part[p];
+        if (usable(part) && strcmp(part->view, view) == 0 && same_but_view(from, part) &&
+            choose_rgb(picture, p, other->prefix, strlen(other->prefix), true, selection))
+            return check_selection(picture, selection, error);
+    }
+    if (by_rules(picture, NULL, view, selection)) return check_selection(picture, selection, error);
+    return io_fail(error, "%s: the view '%s' has no colour (R, G, B or Y)", picture->path, view);
+}
+
 static bool all_deep(const io_picture *picture) {
     for (int p = 0; p < picture->part_count; p++)
         if (usable(&picture->part[p])) return false;
     return true;
+}
+
+/* The first part that is deep, for a message; NULL where none is. */
+static const io_part *deep_part(const io_picture *picture) {
+    for (int p = 0; p < picture->part_count; p++)
+        if (!usable(&picture->part[p])) return &picture->part[p];
+    return NULL;
+}
+
+/* Samples at many depths in a pixel are no picture; what to do is the same for colour and for depth. */
+static int fail_deep(const io_picture *picture, const char *what, io_error *error) {
+    const io_part *part = deep_part(picture);
+    return io_fail(error,
+                   "%s: %s in deep samples (%s%s%s, %dx%d); flatten it in the compositor (Nuke: DeepToImage) to R G B A and Z, and give "
+                   "that picture",
+                   picture->path, what, part->storage, part->name[0] ? ", part " : "", part->name, part->data.width, part->data.height);
+}
+
+static bool deep_has(const io_picture *picture, int (*wanted)(const io_part *part, int channel)) {
+    for (int p = 0; p < picture->part_count; p++)
+        for (int c = 0; !usable(&picture->part[p]) && c < picture->part[p].channel_count; c++)
+            if (wanted(&picture->part[p], c) >= 0) return true;
+    return false;
 }
 
 int io_select_color(const io_picture *picture, const char *layer, io_selection *selection, io_error *error) {
@@ -210,8 +333,8 @@ int io_select_color(const io_picture *picture, const char *layer, io_selection *
     *selection = (io_selection){.part = -1};
     if (layer ? by_layer(picture, layer, selection) : by_rules(picture, NULL, NULL, selection))
         return check_selection(picture, selection, error);
-    if (all_deep(picture)) return io_fail(error, "%s: holds deep samples only; flatten it first", picture->path);
-    list_channels(picture, list, sizeof list);
+    if (all_deep(picture)) return fail_deep(picture, "its colour lies", error);
+    io_list_channels(picture, list, sizeof list);
     if (layer)
         return io_fail(error, "%s: has no layer or part '%s' with R, G, B or Y; its channels are: %s", picture->path,
                        layer, list);
@@ -251,10 +374,12 @@ static int shared_words(const char *name, const char *prefix) {
 }
 
 /* Larger is nearer to the colour. */
-static int nearness(const io_picture *picture, int part, const char *name, const io_selection *color) {
+static int nearness(const io_picture *picture, int part, int channel, const io_selection *color) {
     if (!color || color->part < 0) return 0;
-    const io_part *a = &picture->part[part], *b = &picture->part[color->part];
-    bool same_view = strcmp(a->view, b->view) == 0, some_view = a->view[0] && b->view[0];
+    const io_part *a = &picture->part[part];
+    const char *name = a->channel[channel].name, *view = io_channel_view(a, channel);
+    const char *wanted = io_channel_view(&picture->part[color->part], color->channel[0]);
+    bool same_view = strcmp(view, wanted) == 0, some_view = view[0] && wanted[0];
     return (same_view ? 2 : some_view ? 0 : 1) * 1000 + shared_words(name, color->prefix) * 2 + (part == color->part);
 }
 
@@ -268,7 +393,7 @@ static bool find_depth(const io_picture *picture, const io_selection *color, io_
     for (int p = 0; p < picture->part_count; p++)
         for (int c = 0; usable(&picture->part[p]) && c < picture->part[p].channel_count; c++) {
             int rank = depth_rank(&picture->part[p], c);
-            int near = nearness(picture, p, picture->part[p].channel[c].name, color);
+            int near = nearness(picture, p, c, color);
             if (rank < 0 || near < best_near || (near == best_near && rank >= best_rank)) continue;
             best_near = near;
             best_rank = rank;
@@ -291,7 +416,7 @@ static bool find_named(const io_picture *picture, const char *name, const io_sel
                         (prefix_length(have) == asked + 1 && strncmp(have, name, asked) == 0);
             for (int i = 0; only && i < part->channel_count; i++)
                 only = i == c || !same_prefix(part->channel[i].name, have);
-            int near = 2 * nearness(picture, p, have, color) + whole;
+            int near = 2 * nearness(picture, p, c, color) + whole;
             if ((whole || only) && near > best) {
                 best = near;
                 choose_depth(s, picture, p, c);
@@ -322,8 +447,8 @@ int io_select_depth(const io_picture *picture, const char *name, const io_select
     bool found = name ? find_named(picture, name, near_color, selection)
                       : find_depth(picture, near_color, selection) || (!near_color && find_only(picture, selection));
     if (found) return check_selection(picture, selection, error);
-    if (all_deep(picture)) return io_fail(error, "%s: holds deep samples only; flatten it first", picture->path);
-    list_channels(picture, list, sizeof list);
+    if (all_deep(picture) || (!name && deep_has(picture, depth_rank))) return fail_deep(picture, "its depth lies", error);
+    io_list_channels(picture, list, sizeof list);
     if (name) return io_fail(error, "%s: has no channel '%s'; its channels are: %s", picture->path, name, list);
     return io_fail(error,
                    "%s: has no depth (Z, depth...); name its channel, or give another file; its channels are: %s",

@@ -79,12 +79,19 @@ bool context_progress(ddof_context *ctx, int64_t units) {
         double done = ctx->progress_total > 0 ? (double)ctx->progress_done / ctx->progress_total : 0;
         if (done > 1) done = 1;
         done = ctx->progress_from + done * (ctx->progress_to - ctx->progress_from);
+        done = ctx->image_from + done * ctx->image_share;
         if (done < ctx->progress_shown) done = ctx->progress_shown;
         ctx->progress_shown = done;
         if (!ctx->cancelled && ctx->config.progress(ctx->config.progress_user, done)) ctx->cancelled = true;
         pthread_mutex_unlock(&ctx->progress_lock);
     }
     return !ctx->cancelled;
+}
+
+void context_image(ddof_context *ctx, double from, double share) {
+    ctx->image_from = from;
+    ctx->image_share = share;
+    context_stage(ctx, 0, 1);
 }
 
 void context_stage(ddof_context *ctx, double from, double to) {

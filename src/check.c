@@ -4,12 +4,14 @@
 /* Validation, once, above the backends: what passes here they can work on. */
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "bokeh.h"
 #include "context.h"
 #include "image.h"
 
-enum { MAX_SIDE = 1 << 20, MAX_SUBSTEPS = 64, MAX_THREADS = 256 };
+enum { MAX_SIDE = 1 << 20, MAX_SUBSTEPS = 64, MAX_THREADS = 256, MAX_MORE = 255 };
 
 bool context_all_zero(const uint64_t *reserved, size_t count) {
     for (size_t i = 0; i < count; i++)
@@ -103,21 +105,23 @@ static bool same_planes(const ddof_image *a, const ddof_image *b) {
     return a->channels == b->channels;
 }
 
-static ddof_status check_overlap(ddof_context *ctx, const ddof_image *output, const ddof_image *input, const char *name) {
-    ddof_image out = *output, in = *input;
+/* Whether an output lies apart from an image, or, where `same` is allowed, is its very planes. */
+static ddof_status check_apart(ddof_context *ctx, const ddof_image *output, const char *name, const ddof_image *image,
+                               const char *other_name, bool same) {
+    ddof_image out = *output, in = *image;
     image_resolve(&out);
     image_resolve(&in);
-    if (same_planes(&out, &in)) return DDOF_OK;
+    if (same && same_planes(&out, &in)) return DDOF_OK;
     for (int i = 0; i < out.channels; i++)
         for (int j = 0; j < in.channels; j++)
             if (overlap(&out, i, &in, j))
-                return context_fail(ctx, DDOF_ERROR_INVALID,
-                                    "frame.output overlaps frame.%s in memory without being the same planes", name);
+                return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s overlaps frame.%s in memory%s", name, other_name,
+                                    same ? " without being the same planes" : "");
     return DDOF_OK;
 }
 
 ddof_status check_geometry(ddof_context *ctx, const ddof_frame *f) {
-    if (f->next || !RESERVED_ZERO(f))
+    if (f->next || f->reserved_int || !RESERVED_ZERO(f))
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.next must be NULL and frame.reserved 0");
     if (f->picture_width < 0 || f->picture_height < 0 || !f->picture_width != !f->picture_height)
         return context_fail(ctx, DDOF_ERROR_INVALID, "frame.picture_width and picture_height must both be above 0, or 0");
@@ -132,7 +136,7 @@ ddof_status check_geometry(ddof_context *ctx, const ddof_frame *f) {
     return DDOF_OK;
 }
 
-/* Depth or CoC, and what must not lie on top of what. */
+/* Depth or CoC. */
 static ddof_status check_map(ddof_context *ctx, const ddof_frame *f, bool work) {
     const bool depth = f->depth.channels != 0;
     const char *name = depth ? "depth" : "coc";
@@ -143,14 +147,7 @@ static ddof_status check_map(ddof_context *ctx, const ddof_frame *f, bool work) 
     if (status != DDOF_OK) return status;
     status = check_size(ctx, map, work ? &f->color : &f->output, name, work ? "color" : "output");
     if (status != DDOF_OK) return status;
-    if (!work) return check_overlap(ctx, &f->output, map, name);
-    ddof_image out = f->output, in = *map;
-    image_resolve(&out);
-    image_resolve(&in);
-    for (int c = 0; c < out.channels; c++)
-        if (overlap(&out, c, &in, 0))
-            return context_fail(ctx, DDOF_ERROR_INVALID, "frame.output overlaps frame.%s in memory", name);
-    return DDOF_OK;
+    return check_apart(ctx, &f->output, "output", map, name, !work);
 }
 
 static ddof_status check_holdout(ddof_context *ctx, const ddof_frame *f) {
@@ -158,31 +155,79 @@ static ddof_status check_holdout(ddof_context *ctx, const ddof_frame *f) {
     if (!f->holdout) return DDOF_OK;
     if ((status = check_image(ctx, f->holdout, 1, "holdout")) != DDOF_OK) return status;
     if ((status = check_size(ctx, f->holdout, &f->color, "holdout", "color")) != DDOF_OK) return status;
-    ddof_image out = f->output, mask = *f->holdout;
-    image_resolve(&out);
-    image_resolve(&mask);
-    for (int c = 0; c < out.channels; c++)
-        if (overlap(&out, c, &mask, 0))
-            return context_fail(ctx, DDOF_ERROR_INVALID, "frame.output overlaps frame.holdout in memory");
-    return DDOF_OK;
+    return check_apart(ctx, &f->output, "output", f->holdout, "holdout", false);
+}
+
+static ddof_status check_pair(ddof_context *ctx, const ddof_image *color, const ddof_image *output, const char *color_name,
+                              const char *output_name) {
+    ddof_status status;
+    if ((status = check_image(ctx, color, 0, color_name)) != DDOF_OK) return status;
+    if ((status = check_image(ctx, output, color->channels, output_name)) != DDOF_OK) return status;
+    if (color->alpha != DDOF_ALPHA_PREMULTIPLIED && color->alpha != DDOF_ALPHA_STRAIGHT)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s.alpha is none of ddof_alpha", color_name);
+    if (color->alpha == DDOF_ALPHA_STRAIGHT && color->channels % 2)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.%s: straight alpha needs 2 or 4 channels, not %d", color_name,
+                            color->channels);
+    if ((status = check_size(ctx, output, color, output_name, color_name)) != DDOF_OK) return status;
+    return check_apart(ctx, output, output_name, color, color_name, true);
+}
+
+/* ---- more images; the first of all is color and output */
+
+enum { NAME_SIZE = 32 };
+
+static ddof_pair pair_at(const ddof_frame *f, int i, char color[NAME_SIZE], char output[NAME_SIZE]) {
+    if (i == 0) {
+        strcpy(color, "color");
+        strcpy(output, "output");
+        return (ddof_pair){f->color, f->output};
+    }
+    snprintf(color, NAME_SIZE, "more[%d].color", i - 1);
+    snprintf(output, NAME_SIZE, "more[%d].output", i - 1);
+    return f->more[i - 1];
+}
+
+/* The images of two pairs from each other. */
+static ddof_status check_two(ddof_context *ctx, const ddof_frame *f, int i, int j) {
+    char color_i[NAME_SIZE], output_i[NAME_SIZE], color_j[NAME_SIZE], output_j[NAME_SIZE];
+    const ddof_pair a = pair_at(f, i, color_i, output_i), b = pair_at(f, j, color_j, output_j);
+    ddof_status status = check_apart(ctx, &a.output, output_i, &b.output, output_j, false);
+    if (status == DDOF_OK) status = check_apart(ctx, &a.output, output_i, &b.color, color_j, false);
+    return status == DDOF_OK ? check_apart(ctx, &b.output, output_j, &a.color, color_i, false) : status;
+}
+
+static ddof_status check_more(ddof_context *ctx, const ddof_frame *f) {
+    ddof_status status = DDOF_OK;
+    if (f->more_count < 0 || f->more_count > MAX_MORE)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.more_count is %d: give 0 to %d", f->more_count, MAX_MORE);
+    if (!f->more != !f->more_count)
+        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.more and more_count must both be given, or neither");
+    for (int i = 1; i <= f->more_count && status == DDOF_OK; i++) {
+        char color[NAME_SIZE], output[NAME_SIZE];
+        const ddof_pair pair = pair_at(f, i, color, output);
+        status = check_pair(ctx, &pair.color, &pair.output, color, output);
+        if (status == DDOF_OK) status = check_size(ctx, &pair.color, &f->color, color, "color");
+        const ddof_image *const maps[] = {&f->depth, &f->coc, f->holdout};
+        static const char *const names[] = {"depth", "coc", "holdout"};
+        for (int m = 0; m < 3 && status == DDOF_OK; m++)
+            if (maps[m] && maps[m]->channels) status = check_apart(ctx, &pair.output, output, maps[m], names[m], false);
+        for (int j = 0; j < i && status == DDOF_OK; j++) status = check_two(ctx, f, i, j);
+    }
+    return status;
 }
 
 ddof_status check_frame(ddof_context *ctx, const ddof_frame *f, bool work) {
     ddof_status status;
     if (!f) return context_fail(ctx, DDOF_ERROR_INVALID, "frame is NULL");
     if ((status = check_geometry(ctx, f)) != DDOF_OK) return status;
-    if (work && (status = check_image(ctx, &f->color, 0, "color")) != DDOF_OK) return status;
-    if ((status = check_image(ctx, &f->output, work ? f->color.channels : 1, "output")) != DDOF_OK) return status;
-    if (!work) return check_map(ctx, f, work);
-    if (f->color.alpha != DDOF_ALPHA_PREMULTIPLIED && f->color.alpha != DDOF_ALPHA_STRAIGHT)
-        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.color.alpha is none of ddof_alpha");
-    if (f->color.alpha == DDOF_ALPHA_STRAIGHT && f->color.channels % 2)
-        return context_fail(ctx, DDOF_ERROR_INVALID, "frame.color: straight alpha needs 2 or 4 channels, not %d",
-                            f->color.channels);
-    if ((status = check_size(ctx, &f->output, &f->color, "output", "color")) != DDOF_OK) return status;
-    if ((status = check_overlap(ctx, &f->output, &f->color, "color")) != DDOF_OK) return status;
+    if (!work) {
+        status = check_image(ctx, &f->output, 1, "output");
+        return status == DDOF_OK ? check_map(ctx, f, work) : status;
+    }
+    if ((status = check_pair(ctx, &f->color, &f->output, "color", "output")) != DDOF_OK) return status;
     if ((status = check_holdout(ctx, f)) != DDOF_OK) return status;
-    return check_map(ctx, f, work);
+    if ((status = check_map(ctx, f, work)) != DDOF_OK) return status;
+    return check_more(ctx, f);
 }
 
 /* What is DIFFUSION's alone. */

@@ -82,10 +82,11 @@ struct ddof_context {
 
     /* progress of the call under way */
     pthread_mutex_t progress_lock;
-    double progress_from, progress_to; /* what the stage under way is of the whole, 0..1 */
+    double image_from, image_share;    /* what the image under way is of the whole, 0..1 */
+    double progress_from, progress_to; /* what the stage under way is of the image */
     double progress_total;             /* units of the stage */
     _Atomic int64_t progress_done;
-    double progress_shown;
+    double progress_shown; /* of the whole */
     atomic_bool cancelled;
 };
 
@@ -104,7 +105,9 @@ void context_log(ddof_context *ctx, ddof_log_level level, const char *format, ..
 
 /* Counts `units` of progress_total as done and asks the caller whether to go on; false: stop. Any thread. */
 bool context_progress(ddof_context *ctx, int64_t units);
-/* Begins a stage that takes the work from `from` to `to` of the whole; whoever does it sets progress_total. */
+/* Begins an image that is `share` of the whole from `from` on. */
+void context_image(ddof_context *ctx, double from, double share);
+/* Begins a stage that takes the work from `from` to `to` of the image; whoever does it sets progress_total. */
 void context_stage(ddof_context *ctx, double from, double to);
 
 /* Validation (check.c): DDOF_OK or context_fail. `work`: with color and output, as ddof_render wants them. */

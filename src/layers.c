@@ -552,7 +552,8 @@ static ddof_status as_it_is(work *w) {
     plain.layers = DDOF_LAYERS_OFF;
     const ddof_settings *given = w->job->settings;
     w->job->settings = &plain;
-    context_stage(w->ctx, w->ctx->progress_shown, 1);
+    const double shown = (w->ctx->progress_shown - w->ctx->image_from) / w->ctx->image_share;
+    context_stage(w->ctx, shown > 0 ? shown : 0, 1);
     const ddof_status status = pipeline_blur(w->ctx, w->job, w->rest);
     w->job->settings = given;
     return status;

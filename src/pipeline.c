@@ -137,13 +137,61 @@ static ddof_status check_method(ddof_context *ctx, const frame_job *job) {
     return DDOF_OK;
 }
 
+/* ---- the images of a frame, which share its CoC: 0 is frame.color, the others are frame.more */
+
+typedef struct one_image {
+    frame_job job;
+    ddof_frame frame;
+} one_image;
+
+static void take_image(one_image *image, const frame_job *job, int i) {
+    image->job = *job;
+    image->job.frame = &image->frame;
+    image->job.nonfinite_pixels = image->job.sprites = image->job.sprites_dropped = image->job.sprites_large = 0;
+    image->frame = *job->frame;
+    image->frame.more = NULL;
+    image->frame.more_count = 0;
+    if (i == 0) return;
+    image->frame.color = job->frame->more[i - 1].color;
+    image->frame.output = job->frame->more[i - 1].output;
+}
+
+static void add_counts(frame_job *job, const frame_job *image) {
+    if (image->nonfinite_pixels > job->nonfinite_pixels) job->nonfinite_pixels = image->nonfinite_pixels;
+    job->sprites += image->sprites;
+    job->sprites_dropped += image->sprites_dropped;
+    job->sprites_large += image->sprites_large;
+}
+
 size_t pipeline_iris_bytes(const frame_job *job) {
     return wants_sprites(job) ? sizeof(iris) : 0;
 }
 
 size_t pipeline_scratch_bytes(const ddof_context *ctx, const frame_job *job, bool coc_only) {
+    size_t most = 0;
     if (coc_only) return ctx->backend->scratch_bytes(ctx, job);
-    return layers_wanted(job) ? layers_scratch_bytes(ctx, job) : pipeline_blur_bytes(ctx, job);
+    for (int i = 0; i <= job->frame->more_count; i++) {
+        one_image image;
+        take_image(&image, job, i);
+        const size_t bytes = layers_wanted(&image.job) ? layers_scratch_bytes(ctx, &image.job) : pipeline_blur_bytes(ctx, &image.job);
+        if (bytes > most) most = bytes;
+    }
+    return most;
+}
+
+/* The images one after the other. */
+static ddof_status run_images(ddof_context *ctx, frame_job *job) {
+    const int count = 1 + job->frame->more_count;
+    ddof_status status = DDOF_OK;
+    for (int i = 0; i < count && status == DDOF_OK; i++) {
+        one_image image;
+        take_image(&image, job, i);
+        context_image(ctx, (double)i / count, 1.0 / count);
+        status = layers_wanted(&image.job) ? layers_diffuse(ctx, &image.job, ctx->scratch)
+                                           : pipeline_blur(ctx, &image.job, ctx->scratch);
+        add_counts(job, &image.job);
+    }
+    return status;
 }
 
 ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
@@ -156,14 +204,11 @@ ddof_status pipeline_run(ddof_context *ctx, frame_job *job, bool coc_only) {
     if (status == DDOF_OK) status = pipeline_iris(ctx, job);
     if (status == DDOF_OK) status = reserve(ctx, pipeline_scratch_bytes(ctx, job, coc_only));
     if (status != DDOF_OK) return status;
-    context_stage(ctx, 0, 1);
+    context_image(ctx, 0, 1);
     ctx->progress_shown = 0;
     ctx->cancelled = false;
     if (!context_progress(ctx, 0)) status = DDOF_ERROR_CANCELLED;
-    if (status == DDOF_OK)
-        status = coc_only             ? ctx->backend->coc(ctx, job, ctx->scratch)
-                 : layers_wanted(job) ? layers_diffuse(ctx, job, ctx->scratch)
-                                      : pipeline_blur(ctx, job, ctx->scratch);
+    if (status == DDOF_OK) status = coc_only ? ctx->backend->coc(ctx, job, ctx->scratch) : run_images(ctx, job);
     if (status == DDOF_ERROR_CANCELLED) return context_fail(ctx, status, "cancelled by the progress callback");
     if (status != DDOF_OK && ctx->error[0]) return status;
     if (status != DDOF_OK) return context_fail(ctx, status, "the parallel_for callback could not run its tasks");

@@ -46,12 +46,22 @@ io_channel *job_color(const job *j, int i) {
     return &job_part(j)->channel[j->color.channel[i]];
 }
 
+static io_channel *image_channel(const job *j, const io_selection *color, int i) {
+    return &j->input->part[color->part].channel[color->channel[i]];
+}
+
+void job_modified(const job *j) {
+    for (int g = 0; g < j->group_count; g++)
+        for (int n = 0; n < j->group[g].count; n++)
+            for (int i = 0; i < j->group[g].color[n].count; i++) io_channel_modified(image_channel(j, &j->group[g].color[n], i));
+}
+
 static const io_picture *blur_picture(const job *j) {
     return j->second ? j->second : j->input;
 }
 
-static io_channel *blur_channel(const job *j) {
-    return &blur_picture(j)->part[j->blur.part].channel[j->blur.channel[0]];
+static io_channel *blur_channel(const job *j, const job_group *g) {
+    return &blur_picture(j)->part[g->blur.part].channel[g->blur.channel[0]];
 }
 
 static const char *blur_option(const options *o) {
@@ -60,10 +70,10 @@ static const char *blur_option(const options *o) {
 
 /* Luma and chroma of different sizes are no linear channels of their own: blurring Y alone would leave the colours
  * sharp. */
-static int check_color(const job *j) {
-    const io_part *part = job_part(j);
-    for (int i = 0; i < j->color.count; i++) {
-        const io_channel *channel = job_color(j, i);
+static int check_color(const job *j, const io_selection *color) {
+    const io_part *part = &j->input->part[color->part];
+    for (int i = 0; i < color->count; i++) {
+        const io_channel *channel = image_channel(j, color, i);
         if (channel->x_sampling != 1 || channel->y_sampling != 1)
             return fail("%s: channel %s is subsampled; convert the picture to R G B first", j->input->path,
                         channel->name);
@@ -71,7 +81,7 @@ static int check_color(const job *j) {
             return fail("%s: channel %s holds integers, not colour; choose another with --layer", j->input->path,
                         channel->name);
     }
-    if (j->color.count > 2) return 0;
+    if (color->count > 2) return 0;
     for (int i = 0; i < part->channel_count; i++) {
         const char *dot = strrchr(part->channel[i].name, '.'), *name = dot ? dot + 1 : part->channel[i].name;
         if (strcmp(name, "RY") == 0 || strcmp(name, "BY") == 0)
@@ -84,23 +94,71 @@ static int check_color(const job *j) {
 static int open_input(job *j, const options *o) {
     io_error error = {0};
     if (io_open(&j->input, o->file[0], IO_COLOR, &j->reading, &error)) return fail("%s", error.text);
-    if (io_select_color(j->input, option_text(o, OPT_LAYER), &j->color, &error)) return fail("%s", error.text);
-    return check_color(j);
+    int status = channels_choose(&j->choice, j->input, o);
+    if (status) return status;
+    j->group = calloc((size_t)j->choice.count, sizeof *j->group);
+    if (!j->group) return fail("%s: out of memory for its channels", j->input->path);
+    j->group_count = j->choice.count;
+    for (int g = 0; g < j->group_count; g++) {
+        const channel_group *from = &j->choice.group[g];
+        j->group[g] = (job_group){.view = from->view, .count = from->count, .color = from->color};
+        for (int n = 0; n < from->count && status == 0; n++) status = check_color(j, &from->color[n]);
+    }
+    j->color = j->group[0].color[0];
+    return status;
 }
 
 /* The CoC of a file has no convention for its name but ours. */
-static int select_coc(job *j, const char *name, io_error *error) {
-    if (!name && io_select_depth(blur_picture(j), "CoC", NULL, &j->blur, error) == 0) return 0;
-    return io_select_depth(blur_picture(j), name, j->second ? NULL : &j->color, &j->blur, error);
+static int select_coc(job *j, job_group *g, const char *name, io_error *error) {
+    const io_selection *near_color = j->second ? NULL : &g->color[0];
+    if (!name && io_select_depth(blur_picture(j), "CoC", near_color, &g->blur, error) == 0) return 0;
+    return io_select_depth(blur_picture(j), name, near_color, &g->blur, error);
 }
 
-static int select_depth(job *j, const char *name, io_error *error) {
-    const io_selection *near_color = j->second ? NULL : &j->color;
+static int select_depth(job *j, job_group *g, const char *name, io_error *error) {
+    const io_selection *near_color = j->second ? NULL : &g->color[0];
     /* the camera file's channel is a hint: "Z" there may be "ViewLayer.Depth.Z" in the file */
     if (!name && *j->file.depth_channel &&
-        io_select_depth(blur_picture(j), j->file.depth_channel, near_color, &j->blur, error) == 0)
+        io_select_depth(blur_picture(j), j->file.depth_channel, near_color, &g->blur, error) == 0)
         return 0;
-    return io_select_depth(blur_picture(j), name, near_color, &j->blur, error);
+    return io_select_depth(blur_picture(j), name, near_color, &g->blur, error);
+}
+
+/* What one view sees lies elsewhere in the other. */
+static int check_view(const job *j, const job_group *g, const options *o) {
+    const char *what = option_given(o, OPT_COC) ? "CoC" : "depth";
+    bool several = false;
+    for (int i = 1; i < j->group_count; i++) several |= strcmp(j->group[i].view, j->group[0].view) != 0;
+    if (several && option_given(o, OPT_HOLDOUT))
+        return fail_usage("--holdout: one mask does not fit several views; render them one by one with --views NAME");
+    if (several && j->second)
+        return fail_usage("--%s: %s does not fit several views; render them one by one with --views NAME", blur_option(o),
+                          j->second->path);
+    if (j->second) return 0;
+    const char *view = io_channel_view(&j->input->part[g->blur.part], g->blur.channel[0]);
+    if (strcmp(view, g->view) == 0 || (!several && !view[0])) return 0;
+    return fail("%s: the view '%s' has no %s of its own (there is %s%s%s); leave it out with --views NAME, or give it a file with --%s "
+                "FILE",
+                j->input->path, g->view, what, blur_channel(j, g)->name, view[0] ? " of the view " : "", view, blur_option(o));
+}
+
+/* A channel that the blur follows must stay as it is. */
+static int check_blur(const job *j, const job_group *g, const options *o) {
+    const io_channel *channel = blur_channel(j, g);
+    for (int k = 0; !j->second && k < j->group_count; k++)
+        for (int n = 0; n < j->group[k].count; n++)
+            for (int i = 0; i < j->group[k].color[n].count; i++) {
+                if (image_channel(j, &j->group[k].color[n], i) != channel) continue;
+                if (option_given(o, OPT_RENDER_CHANNELS))
+                    return fail_usage("--channels: %s is the %s that the blur follows; leave it out", channel->name,
+                                      option_given(o, OPT_COC) ? "CoC" : "depth");
+                return fail("%s: has no depth beside its colour (channel %s); give --depth FILE or --coc FILE",
+                            j->input->path, channel->name);
+            }
+    if (channel->x_sampling != 1 || channel->y_sampling != 1)
+        return fail("--%s: channel %s of %s is subsampled; use a channel of full size", blur_option(o), channel->name,
+                    blur_picture(j)->path);
+    return check_view(j, g, o);
 }
 
 static int open_blur(job *j, const options *o) {
@@ -115,23 +173,20 @@ static int open_blur(job *j, const options *o) {
         free(file);
         if (bad) return fail("--%s: %s", blur_option(o), error.text);
     }
-    int bad = coc ? select_coc(j, name, &error) : select_depth(j, name, &error);
-    if (bad && text) return fail("--%s: %s", blur_option(o), error.text);
-    if (bad) return fail("%s (--depth FILE[:CHANNEL], or --coc FILE)", error.text);
-    const io_channel *channel = blur_channel(j);
-    for (int i = 0; !j->second && j->blur.part == j->color.part && i < j->color.count; i++)
-        if (j->color.channel[i] == j->blur.channel[0])
-            return fail("%s: has no depth beside its colour (channel %s); give --depth FILE or --coc FILE",
-                        j->input->path, channel->name);
-    if (channel->x_sampling != 1 || channel->y_sampling != 1)
-        return fail("--%s: channel %s of %s is subsampled; use a channel of full size", blur_option(o), channel->name,
-                    blur_picture(j)->path);
+    for (int i = 0; i < j->group_count; i++) {
+        job_group *g = &j->group[i];
+        int bad = coc ? select_coc(j, g, name, &error) : select_depth(j, g, name, &error);
+        if (bad && text) return fail("--%s: %s", blur_option(o), error.text);
+        if (bad) return fail("%s (--depth FILE[:CHANNEL], or --coc FILE)", error.text);
+        int status = check_blur(j, g, o);
+        if (status) return status;
+    }
     return 0;
 }
 
 /* An integer file holds 0..1, which is never a distance by itself. */
 static int check_integer_depth(const job *j, const options *o) {
-    const io_channel *channel = blur_channel(j);
+    const io_channel *channel = blur_channel(j, &j->group[0]);
     if (!channel->integer || channel->depth.kind != IO_DEPTH_UNSAID || option_given(o, OPT_COC) ||
         option_given(o, OPT_DEPTH_KIND))
         return 0;
@@ -142,7 +197,7 @@ static int check_integer_depth(const job *j, const options *o) {
 
 /* What the picture says of its depth, where the camera file says nothing. */
 static void take_depth_meaning(job *j) {
-    const io_depth *said = &blur_channel(j)->depth;
+    const io_depth *said = &blur_channel(j, &j->group[0])->depth;
     if (said->kind == IO_DEPTH_UNSAID || j->file.has_depth_kind) return;
     j->file.has_depth_kind = true;
     j->file.depth_kind = said->kind == IO_DEPTH_LINEAR ? DDOF_DEPTH_NORMALIZED : DDOF_DEPTH_DEVICE;
@@ -168,11 +223,11 @@ static io_box box_in_picture(const io_part *part) {
 
 /* The place in the depth's or CoC's channel that belongs to the colour's first pixel. The two agree when they have one
  * size, or when the colour is a window into a picture of which the depth covers more. */
-static int align_blur(const job *j, const options *o, ptrdiff_t *first) {
-    const io_part *color = job_part(j), *blur = &blur_picture(j)->part[j->blur.part];
-    const io_channel *channel = blur_channel(j);
+static int align_blur(const job *j, const job_group *g, const options *o, ptrdiff_t *first) {
+    const io_part *color = &j->input->part[g->color[0].part], *blur = &blur_picture(j)->part[g->blur.part];
+    const io_channel *channel = blur_channel(j, g);
     const io_box c = box_in_picture(color), b = box_in_picture(blur);
-    const io_channel *picture = job_color(j, 0);
+    const io_channel *picture = image_channel(j, &g->color[0], 0);
     *first = 0;
     bool one_display = color->display.width == blur->display.width && color->display.height == blur->display.height;
     bool one_size = channel->width == picture->width && channel->height == picture->height;
@@ -194,21 +249,44 @@ static int align_blur(const job *j, const options *o, ptrdiff_t *first) {
 
 /* ------------------------------------------------------------------------- pixels */
 
+bool job_part_is_blurred(const job *j, int part) {
+    for (int g = 0; g < j->group_count; g++)
+        for (int n = 0; n < j->group[g].count; n++)
+            if (j->group[g].color[n].part == part) return true;
+    return false;
+}
+
+/* The channels of one part of IN that are blurred, or say how much; a part is written again with all its channels, so then
+ * all of them are needed. */
+static int read_part(job *j, int part, bool rewrite) {
+    io_error error = {0};
+    const int most = j->input->part[part].channel_count;
+    if (rewrite && job_part_is_blurred(j, part))
+        return io_read_channels(j->input, part, NULL, 0, &error) ? fail("%s", error.text) : 0;
+    const char **names = calloc((size_t)most, sizeof *names);
+    if (!names) return fail("%s: out of memory for its channels", j->input->path);
+    int count = 0, status = 0;
+    for (int g = 0; g < j->group_count; g++) {
+        const job_group *group = &j->group[g];
+        for (int n = 0; n < group->count; n++)
+            for (int i = 0; i < group->color[n].count && group->color[n].part == part && count < most; i++)
+                names[count++] = image_channel(j, &group->color[n], i)->name;
+        if (!j->second && group->blur.part == part && count < most) names[count++] = blur_channel(j, group)->name;
+    }
+    if (count && io_read_channels(j->input, part, names, count, &error)) status = fail("%s", error.text);
+    free(names);
+    return status;
+}
+
 static int read_pixels(job *j, bool rewrite) {
     io_error error = {0};
-    const char *names[5];
-    int count = 0;
-    for (int i = 0; i < j->color.count; i++)
-        names[count++] = job_color(j, i)->name;
-    const char *blur_name = blur_channel(j)->name;
-    bool same_part = !j->second && j->blur.part == j->color.part;
-    if (same_part) names[count++] = blur_name;
-    /* a part is written again with all its channels, so all of them are needed */
-    if (io_read_channels(j->input, j->color.part, rewrite ? NULL : names, rewrite ? 0 : count, &error))
-        return fail("%s", error.text);
-    io_picture *other = j->second ? j->second : j->input;
-    if (!same_part && io_read_channels(other, j->blur.part, &blur_name, 1, &error)) return fail("%s", error.text);
-    return 0;
+    int status = 0;
+    for (int p = 0; p < j->input->part_count && status == 0; p++) status = read_part(j, p, rewrite);
+    for (int g = 0; g < j->group_count && status == 0 && j->second; g++) {
+        const char *name = blur_channel(j, &j->group[g])->name;
+        if (io_read_channels(j->second, j->group[g].blur.part, &name, 1, &error)) status = fail("%s", error.text);
+    }
+    return status;
 }
 
 const char *job_blame(const options *o, ddof_status status) {
@@ -219,41 +297,59 @@ ddof_plane plane_of_channel(const io_channel *channel) {
     return (ddof_plane){.data = channel->data, .type = channel->type == IO_HALF ? DDOF_HALF : DDOF_FLOAT};
 }
 
-static int describe_color(job *j) {
-    const io_part *part = job_part(j);
-    const io_channel *first = job_color(j, 0);
+static ddof_image image_of(const job *j, const io_selection *color) {
+    const io_channel *first = image_channel(j, color, 0);
+    ddof_image image = {.width = first->width, .height = first->height, .channels = color->count};
+    for (int i = 0; i < color->count; i++) image.plane[i] = plane_of_channel(image_channel(j, color, i));
+    return image;
+}
+
+static int describe_color(job *j, job_group *g) {
+    const io_part *part = &j->input->part[g->color[0].part];
     const io_box box = box_in_picture(part);
-    ddof_image *image = &j->frame.color;
-    *image = (ddof_image){.width = first->width, .height = first->height, .channels = j->color.count};
-    for (int i = 0; i < j->color.count; i++)
-        image->plane[i] = plane_of_channel(job_color(j, i));
-    j->frame.picture_width = part->display.width;
-    j->frame.picture_height = part->display.height;
-    j->frame.offset_x = box.x;
-    j->frame.offset_y = box.y;
-    j->frame.pixel_aspect = part->pixel_aspect;
+    ddof_frame *frame = &g->frame;
+    frame->color = image_of(j, &g->color[0]);
+    frame->picture_width = part->display.width;
+    frame->picture_height = part->display.height;
+    frame->offset_x = box.x;
+    frame->offset_y = box.y;
+    frame->pixel_aspect = part->pixel_aspect;
+    if (g->count == 1) return 0;
+    g->more = calloc((size_t)g->count - 1, sizeof *g->more);
+    if (!g->more) return fail("%s: out of memory for its channels", j->input->path);
+    for (int n = 1; n < g->count; n++) g->more[n - 1].color = g->more[n - 1].output = image_of(j, &g->color[n]);
     return 0;
 }
 
-static int describe_blur(job *j, const options *o, ptrdiff_t first) {
-    const io_channel *channel = blur_channel(j), *color = job_color(j, 0);
+static int describe_blur(job *j, job_group *g, const options *o, ptrdiff_t first) {
+    const io_channel *channel = blur_channel(j, g);
     const size_t count = (size_t)channel->width * (size_t)channel->height;
     const float scale = (float)option_number(o, OPT_COC_SCALE, 1);
-    ddof_image image = {.width = color->width, .height = color->height, .channels = 1};
+    ddof_image image = {.width = g->frame.color.width, .height = g->frame.color.height, .channels = 1};
     image.plane[0] = plane_of_channel(channel);
     if (channel->type == IO_UINT || scale != 1) {
-        j->converted = scratch_allocate(count * sizeof(float));
-        if (!j->converted) return fail("%s", scratch_error());
-        io_channel_to_float(channel, j->converted, 1, (size_t)channel->width);
+        g->converted = scratch_allocate(count * sizeof(float));
+        if (!g->converted) return fail("%s", scratch_error());
+        io_channel_to_float(channel, g->converted, 1, (size_t)channel->width);
         for (size_t i = 0; scale != 1 && i < count; i++)
-            j->converted[i] *= scale;
-        image.plane[0] = (ddof_plane){.data = j->converted};
+            g->converted[i] *= scale;
+        image.plane[0] = (ddof_plane){.data = g->converted};
     }
     const size_t value = image.plane[0].type == DDOF_HALF ? 2 : 4;
     image.plane[0].data = (char *)image.plane[0].data + first * (ptrdiff_t)value;
     image.plane[0].row_stride = (ptrdiff_t)((size_t)channel->width * value);
-    *(option_given(o, OPT_COC) ? &j->frame.coc : &j->frame.depth) = image;
+    *(option_given(o, OPT_COC) ? &g->frame.coc : &g->frame.depth) = image;
     return 0;
+}
+
+static int describe_group(job *j, job_group *g, const options *o) {
+    ptrdiff_t first;
+    int status = align_blur(j, g, o, &first);
+    if (status == 0) status = describe_color(j, g);
+    if (status == 0) status = describe_blur(j, g, o, first);
+    g->frame.more = g->more;
+    g->frame.more_count = g->count - 1;
+    return status;
 }
 
 /* --focus-at is a place in the picture, the library's focus a place in the image. */
@@ -288,7 +384,7 @@ static int read_metadata(job *j, const options *o) {
 }
 
 /* Their headers. */
-static int open_files(job *j, const options *o, ptrdiff_t *first) {
+static int open_files(job *j, const options *o) {
     int status = 0;
     if (option_given(o, OPT_CAMERA))
         status = camera_read(&j->file, option_text(o, OPT_CAMERA), option_text(o, OPT_RENDER), o->file[0]);
@@ -299,48 +395,61 @@ static int open_files(job *j, const options *o, ptrdiff_t *first) {
     if (status == 0) take_depth_meaning(j);
     if (status == 0 && !option_given(o, OPT_COC))
         status = lens_settings(&j->settings, o, &j->file, job_part(j)->display.width);
-    if (status == 0) status = align_blur(j, o, first);
+    ptrdiff_t first;
+    for (int g = 0; g < j->group_count && status == 0; g++) status = align_blur(j, &j->group[g], o, &first);
     return status;
 }
 
-static int open_and_check(job *j, const options *o, ptrdiff_t *first) {
+static int open_and_check(job *j, const options *o) {
     int status = lens_check_options(o);
     if (status == 0) status = method_check_options(o);
     if (status == 0) status = bokeh_check_options(o);
     if (status == 0) status = iris_read(&j->iris, option_text(o, OPT_IRIS), &j->reading);
-    return status ? status : open_files(j, o, first);
+    return status ? status : open_files(j, o);
+}
+
+/* Files that are not written again hold one image. */
+static int check_images(const job *j, const io_format *rewrite, const options *o) {
+    const int count = channels_count(&j->choice);
+    if (!rewrite || *rewrite == j->input->format || count == 1) return 0;
+    return fail_usage("--output: %s: holds one image, and %d are to be blurred; name an %s, or choose one with --layer",
+                      option_text(o, OPT_OUTPUT), count, io_format_name(j->input->format));
 }
 
 int job_open(job *j, const options *o, const session *s, const io_format *rewrite) {
     *j = (job){.reading = {.threads = (int)option_number(o, OPT_THREADS, 0), .memory = scratch_memory()}};
     const double begin = now_ms();
-    ptrdiff_t first = 0;
-    int status = open_and_check(j, o, &first);
+    int status = open_and_check(j, o);
+    if (status == 0) status = check_images(j, rewrite, o);
     method_settings(&j->settings, o);
     if (status == 0) status = bokeh_settings(&j->settings, o, &j->iris, job_part(j)->display.width);
     if (status == 0) status = memory_plan(j, o, s, rewrite);
     if (status == 0) status = read_pixels(j, rewrite && *rewrite == j->input->format);
     j->decode_ms = now_ms() - begin;
-    if (status == 0) status = describe_color(j);
-    if (status == 0) status = describe_blur(j, o, first);
+    for (int g = 0; g < j->group_count && status == 0; g++) status = describe_group(j, &j->group[g], o);
+    if (status == 0) j->frame = j->group[0].frame;
     if (status == 0) status = place_focus(j, o);
     if (status == 0 && option_given(o, OPT_HOLDOUT)) {
         status = holdout_read(&j->holdout, option_text(o, OPT_HOLDOUT), o->file[0], &j->frame.color, &j->reading);
+        for (int g = 0; g < j->group_count; g++) j->group[g].frame.holdout = &j->holdout.image;
         j->frame.holdout = &j->holdout.image;
     }
     if (status == 0) pass_notes(j);
+    if (status == 0 && rewrite) channels_note(&j->choice, j->input, o);
     if (status) job_close(j);
     return status;
 }
 
 int job_open_depth(job *j, const options *o) {
     *j = (job){.reading.threads = (int)option_number(o, OPT_THREADS, 0)};
-    ptrdiff_t first = 0;
     int status = lens_check_options(o);
-    if (status == 0) status = open_files(j, o, &first);
-    if (status == 0) status = describe_color(j);
-    j->frame.depth = (ddof_image){.width = j->frame.color.width, .height = j->frame.color.height, .channels = 1};
-    j->frame.color = (ddof_image){0};
+    if (status == 0) status = open_files(j, o);
+    if (status == 0) status = describe_color(j, &j->group[0]);
+    if (status == 0) {
+        j->frame = j->group[0].frame;
+        j->frame.depth = (ddof_image){.width = j->frame.color.width, .height = j->frame.color.height, .channels = 1};
+        j->frame.color = (ddof_image){0};
+    }
     if (status) job_close(j);
     return status;
 }
@@ -348,20 +457,28 @@ int job_open_depth(job *j, const options *o) {
 int job_read_depth(job *j, const options *o, int row, int rows) {
     io_error error = {0};
     ptrdiff_t first = 0;
-    int status = align_blur(j, o, &first);
-    const io_channel *channel = blur_channel(j);
+    job_group *g = &j->group[0];
+    int status = align_blur(j, g, o, &first);
+    const io_channel *channel = blur_channel(j, g);
     const int from = row + (int)(first / channel->width);
     const char *name = channel->name;
     io_picture *picture = j->second ? j->second : j->input;
-    if (status == 0 && io_read_rows(picture, j->blur.part, &name, 1, from, rows, &error))
+    if (status == 0 && io_read_rows(picture, g->blur.part, &name, 1, from, rows, &error))
         status = fail("%s", error.text);
-    return status ? status : describe_blur(j, o, first);
+    if (status == 0) status = describe_blur(j, g, o, first);
+    if (status == 0) j->frame.depth = g->frame.depth;
+    return status;
 }
 
 void job_close(job *j) {
     io_close(&j->input);
     io_close(&j->second);
-    scratch_release(j->converted);
+    for (int g = 0; g < j->group_count; g++) {
+        scratch_release(j->group[g].converted);
+        free(j->group[g].more);
+    }
+    free(j->group);
+    channels_free(&j->choice);
     holdout_close(&j->holdout);
     iris_close(&j->iris);
     *j = (job){0};

@@ -9,23 +9,36 @@
 
 #include <picture.h>
 
+#include "channels.h"
 #include "holdout.h"
 #include "iris.h"
 #include "lens.h"
 #include "options.h"
 #include "session.h"
 
+/* Images that one depth or CoC blurs, and so one call of the library. */
+typedef struct job_group {
+    const char *view; /* "" where IN has none */
+    int count;
+    const io_selection *color; /* of each image */
+    io_selection blur;         /* the depth or CoC channel of `second`, or of `input` */
+    float *converted;          /* of scratch.h: depth or CoC of a type the library does not take, or scaled */
+    ddof_pair *more;           /* all images but the first, in place */
+    ddof_frame frame;          /* everything but `output` */
+} job_group;
+
 typedef struct job {
     io_picture *input; /* IN */
-    io_selection color;
+    channel_choice choice;
+    int group_count;
+    job_group *group;
+    io_selection color; /* the first image of the first group: what is shown */
     io_picture *second; /* the file of --depth or --coc, NULL when they are in IN */
-    io_selection blur;  /* the depth or CoC channel of `second`, or of `input` */
-    float *converted;   /* of scratch.h: depth or CoC of a type the library does not take, or scaled */
     holdout holdout;    /* --holdout */
     iris_input iris;    /* --iris */
     camera file;        /* --camera */
     io_options reading;
-    ddof_frame frame; /* everything but `output` */
+    ddof_frame frame; /* of the first group */
     ddof_settings settings;
     double decode_ms;
 } job;
@@ -39,8 +52,13 @@ int job_open_depth(job *j, const options *o);
 int job_read_depth(job *j, const options *o, int row, int rows);
 void job_close(job *j);
 
-const io_part *job_part(const job *j); /* IN's part with the colour */
+const io_part *job_part(const job *j); /* IN's part with the colour that is shown */
 io_channel *job_color(const job *j, int i);
+
+/* Whether some channel of this part of IN is blurred. */
+bool job_part_is_blurred(const job *j, int part);
+/* Says of all channels that are blurred that they were written to. */
+void job_modified(const job *j);
 
 /* What to name when the library refuses: what passed all checks here can only be the depth at the pixel to focus on. */
 const char *job_blame(const options *o, ddof_status status);

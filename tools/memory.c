@@ -22,17 +22,32 @@ static uint64_t pixels_of(const io_channel *c) {
     return (uint64_t)c->width * (uint64_t)c->height;
 }
 
-/* What is read. */
-static uint64_t input_bytes(const job *j, const options *o, bool whole_part) {
-    const io_part *part = job_part(j);
+static const io_channel *blur_channel(const job *j, const job_group *g) {
     const io_picture *other = j->second ? j->second : j->input;
-    const io_channel *blur = &other->part[j->blur.part].channel[j->blur.channel[0]];
-    const bool same_part = !j->second && j->blur.part == j->color.part;
+    return &other->part[g->blur.part].channel[g->blur.channel[0]];
+}
+
+static uint64_t colour_bytes(const job *j, const job_group *g) {
     uint64_t bytes = 0;
-    for (int i = 0; i < (whole_part ? part->channel_count : j->color.count); i++)
-        bytes += channel_bytes(whole_part ? &part->channel[i] : job_color(j, i));
-    if (!same_part || !whole_part) bytes += channel_bytes(blur);
-    if (blur->type == IO_UINT || option_number(o, OPT_COC_SCALE, 1) != 1) bytes += pixels_of(blur) * sizeof(float);
+    for (int n = 0; n < g->count; n++)
+        for (int i = 0; i < g->color[n].count; i++)
+            bytes += channel_bytes(&j->input->part[g->color[n].part].channel[g->color[n].channel[i]]);
+    return bytes;
+}
+
+/* What is read. */
+static uint64_t input_bytes(const job *j, const options *o, bool whole_parts) {
+    uint64_t bytes = 0;
+    for (int p = 0; p < j->input->part_count && whole_parts; p++)
+        for (int i = 0; i < j->input->part[p].channel_count && job_part_is_blurred(j, p); i++)
+            bytes += channel_bytes(&j->input->part[p].channel[i]);
+    for (int g = 0; g < j->group_count; g++) {
+        const io_channel *blur = blur_channel(j, &j->group[g]);
+        const bool read = whole_parts && !j->second && job_part_is_blurred(j, j->group[g].blur.part);
+        if (!whole_parts) bytes += colour_bytes(j, &j->group[g]);
+        if (!read) bytes += channel_bytes(blur);
+        if (blur->type == IO_UINT || option_number(o, OPT_COC_SCALE, 1) != 1) bytes += pixels_of(blur) * sizeof(float);
+    }
     if (option_given(o, OPT_HOLDOUT)) bytes += pixels_of(job_color(j, 0)) * sizeof(float);
     return bytes;
 }
@@ -56,23 +71,32 @@ static ddof_image pretend(int width, int height, int channels, ddof_type type, i
     return image;
 }
 
-static int solver_bytes(const job *j, const options *o, const session *s, uint64_t *bytes) {
-    const io_channel *first = job_color(j, 0);
+static uint64_t larger(uint64_t a, uint64_t b) {
+    return a > b ? a : b;
+}
+
+static int image_bytes(const job *j, const io_selection *color, const options *o, const session *s, uint64_t *bytes) {
+    const io_channel *first = &j->input->part[color->part].channel[color->channel[0]];
     const ddof_type type = first->type == IO_HALF ? DDOF_HALF : DDOF_FLOAT;
     ddof_frame frame = {0};
     ddof_settings settings = j->settings;
     size_t scratch = 0;
     const ddof_image mask = pretend(first->width, first->height, 1, DDOF_FLOAT, 5);
-    frame.color = frame.output = pretend(first->width, first->height, j->color.count, type, 0);
+    frame.color = frame.output = pretend(first->width, first->height, color->count, type, 0);
     frame.coc = pretend(first->width, first->height, 1, DDOF_FLOAT, 4);
     if (option_given(o, OPT_HOLDOUT)) frame.holdout = &mask;
     const ddof_status status = ddof_scratch_bytes(s->context, &frame, &settings, &scratch);
-    *bytes = scratch;
+    *bytes = larger(*bytes, scratch);
     return status == DDOF_OK ? 0 : session_fail(s, status, o->file[0]);
 }
 
-static uint64_t larger(uint64_t a, uint64_t b) {
-    return a > b ? a : b;
+/* Of the image that needs most: they are solved one after the other. */
+static int solver_bytes(const job *j, const options *o, const session *s, uint64_t *bytes) {
+    int status = 0;
+    *bytes = 0;
+    for (int g = 0; g < j->group_count; g++)
+        for (int n = 0; n < j->group[g].count && status == 0; n++) status = image_bytes(j, &j->group[g].color[n], o, s, bytes);
+    return status;
 }
 
 /* What must be in memory at one time. */
@@ -80,7 +104,9 @@ static uint64_t least_bytes(const job *j, const options *o) {
     const uint64_t threads = (uint64_t)io_thread_count((int)option_number(o, OPT_THREADS, 0));
     const uint64_t width = (uint64_t)job_color(j, 0)->width;
     uint64_t chunk = job_part(j)->chunk_bytes;
-    if (j->second) chunk = larger(chunk, j->second->part[j->blur.part].chunk_bytes);
+    for (int p = 0; p < j->input->part_count; p++)
+        if (job_part_is_blurred(j, p)) chunk = larger(chunk, j->input->part[p].chunk_bytes);
+    if (j->second) chunk = larger(chunk, j->second->part[j->group[0].blur.part].chunk_bytes);
     return threads * (chunk * CHUNKS_AT_ONCE + width * BLOCK_ROWS * BLOCK_PIXEL) + SPARE;
 }
 

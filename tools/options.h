@@ -27,6 +27,8 @@ typedef enum option_id {
     OPT_KEEP_GOING,
     OPT_IN_FLIGHT,
     OPT_LAYER,
+    OPT_RENDER_CHANNELS,
+    OPT_VIEWS,
     OPT_DEPTH,
     OPT_DEPTH_KIND,
     OPT_NEAR,

@@ -32,6 +32,10 @@ const option_spec option_table[OPT_COUNT] = {
         "frames of a sequence at work at a time, 1 to 64: more keep more threads busy and take more memory (default 3)", R | C, 1, 64, false, NULL},
     [OPT_LAYER] = {"layer", 0, KIND_TEXT, "NAME", "beauty",
         "colour layer or part (default: R G B A, then the first layer that has them)", R | C | I | M, 0, 0, 0, NULL},
+    [OPT_RENDER_CHANNELS] = {"channels", 0, KIND_TEXT, "LIST", "'diffuse.*,specular.*,RGBA'",
+        "what is blurred, by commas: channels or patterns of them (* ? []); RGBA: what is without this option", R, 0, 0, 0, NULL},
+    [OPT_VIEWS] = {"views", 0, KIND_TEXT, "LIST", "left,right",
+        "views of a stereo EXR that are blurred, each with its own depth, or all (default: the first)", R, 0, 0, 0, NULL},
 
     [OPT_DEPTH] = {"depth", 0, KIND_TEXT, "FILE[:CHANNEL]", "depth.exr:Z",
         "depth from another file, or :CHANNEL of IN (default: the depth channel of IN)", R | C | I, 0, 0, 0, NULL},

@@ -75,6 +75,8 @@ static void report_human(FILE *out, const job *j, const options *o, const sessio
     if (*j->file.entry && !option_given(o, OPT_FSTOP)) snprintf(extra, sizeof extra, " (%.80s)", j->file.entry);
     fprintf(out, "%s: %dx%d, %s%s%s\n", option_text(o, OPT_OUTPUT), j->frame.color.width, j->frame.color.height, lens, extra,
            range);
+    const int images = channels_count(&j->choice);
+    if (images > 1) fprintf(out, "%d images blurred, with %d depth%s\n", images, j->group_count, j->group_count == 1 ? "" : "s");
     fprintf(out, "solve %.1f ms (%s, %d thread%s), decode %.0f ms, encode %.0f ms, total %.0f ms\n", r->time.solve,
            r->stats.device, r->stats.threads, r->stats.threads == 1 ? "" : "s", j->decode_ms, r->time.encode, total);
     session_print_gpu(out, s, &j->settings, &r->stats, (double)j->frame.color.width * j->frame.color.height);
@@ -101,6 +103,24 @@ static void add_method(const job *j, const options *o, const ddof_stats *stats, 
     json_integer(object, "sprites_large", (double)stats->sprites_large);
 }
 
+/* What was blurred, and what was not though a wildcard names it. */
+static void add_choice(const job *j, cJSON *object) {
+    cJSON *layers = cJSON_AddArrayToObject(object, "layers"), *views = cJSON_AddArrayToObject(object, "views"),
+          *sharp = cJSON_AddArrayToObject(object, "left_sharp");
+    char name[512];
+    for (int g = 0; g < j->group_count; g++) {
+        const char *view = j->group[g].view;
+        bool said = !view[0];
+        for (int k = 0; k < g; k++) said |= strcmp(j->group[k].view, view) == 0;
+        if (!said) cJSON_AddItemToArray(views, json_text_item(view));
+        for (int n = 0; n < j->group[g].count; n++) {
+            channels_image_name(j->input, &j->group[g].color[n], name, sizeof name);
+            cJSON_AddItemToArray(layers, json_text_item(name));
+        }
+    }
+    for (int i = 0; i < j->choice.sharp_count; i++) cJSON_AddItemToArray(sharp, json_text_item(j->input->part[j->choice.sharp[i].part].channel[j->choice.sharp[i].channel].name));
+}
+
 static cJSON *report_json(const job *j, const options *o, const session *s, const report *r, double total) {
     cJSON *object = cJSON_CreateObject();
     json_text(object, "input", o->file[0]);
@@ -109,6 +129,7 @@ static cJSON *report_json(const job *j, const options *o, const session *s, cons
     json_integer(object, "width", j->frame.color.width);
     json_integer(object, "height", j->frame.color.height);
     json_integer(object, "channels", j->frame.color.channels);
+    add_choice(j, object);
     json_text(object, "backend", backend_name(s->backend));
     json_text(object, "device", r->stats.device);
     json_integer(object, "threads", r->stats.threads);
@@ -146,28 +167,49 @@ static int report_work(frame_report *made, const job *j, const options *o, const
 
 /* ------------------------------------------------------------------------- work */
 
-static void say_modified(const job *j) {
-    for (int i = 0; i < j->color.count; i++)
-        io_channel_modified(job_color(j, i));
+static void add_stats(ddof_stats *all, const ddof_stats *group) {
+    if (group->nonfinite_pixels > all->nonfinite_pixels) all->nonfinite_pixels = group->nonfinite_pixels;
+    if (group->scratch_bytes > all->scratch_bytes) all->scratch_bytes = group->scratch_bytes;
+    all->sprites += group->sprites;
+    all->sprites_dropped += group->sprites_dropped;
+    all->sprites_large += group->sprites_large;
 }
 
-static int solve(job *j, const options *o, session *s, report *r) {
-    ddof_frame frame = j->frame;
+/* All images that share a depth, in place. The first group says what all of them focus on: the eyes of a pair see one thing. */
+static int solve_group(job *j, int index, const options *o, session *s, ddof_stats *all) {
+    ddof_frame frame = j->group[index].frame;
+    ddof_settings settings = j->settings;
+    ddof_stats stats;
     frame.output = frame.color;
-    const double begin = now_ms();
-    signals_hold();
-    ddof_status done = ddof_render(s->context, &frame, &j->settings, &r->stats);
-    r->time.solve = now_ms() - begin;
+    if (index && !frame.coc.channels) {
+        settings.lens.focus = DDOF_FOCUS_DISTANCE;
+        settings.lens.focus_distance = all->focus_distance;
+    }
+    ddof_status done = ddof_render(s->context, &frame, &settings, &stats);
     progress_clear();
     if (done != DDOF_OK) return session_fail(s, done, job_blame(o, done));
     if (interrupted()) return fail_interrupted();
     const int64_t pixels = (int64_t)frame.color.width * frame.color.height;
-    if (r->stats.nonfinite_pixels == pixels)
+    if (stats.nonfinite_pixels == pixels)
         return fail("%s: no pixel has finite colour and depth; nothing can be rendered", o->file[0]);
+    if (index)
+        add_stats(all, &stats);
+    else
+        *all = stats;
+    return 0;
+}
+
+static int solve(job *j, const options *o, session *s, report *r) {
+    const double begin = now_ms();
+    int status = 0;
+    signals_hold();
+    for (int g = 0; g < j->group_count && status == 0; g++) status = solve_group(j, g, o, s, &r->stats);
+    r->time.solve = now_ms() - begin;
+    if (status) return status;
     bokeh_note(&r->stats, o->file[0]);
     /* of sprites the library warns in its own words, of pixels after that */
     if (r->stats.nonfinite_pixels > 0) session_note(s, o->file[0]);
-    say_modified(j);
+    job_modified(j);
     return 0;
 }
 
@@ -175,7 +217,7 @@ static int solve(job *j, const options *o, session *s, report *r) {
 static int leave_sharp(const job *j, report *r) {
     signals_hold();
     r->stats.device = "none";
-    say_modified(j);
+    job_modified(j);
     return interrupted() ? fail_interrupted() : 0;
 }
 

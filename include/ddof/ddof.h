@@ -332,6 +332,11 @@ typedef struct ddof_settings {
     uint64_t reserved[5];
 } ddof_settings;
 
+/* One more image of a frame, and its result: 1 to 4 channels, as frame.color and frame.output are. */
+typedef struct ddof_pair {
+    ddof_image color, output;
+} ddof_pair;
+
 /* What goes in and what comes out. All images have the size of `color`. */
 typedef struct ddof_frame {
     ddof_image color;  /* read only */
@@ -350,7 +355,16 @@ typedef struct ddof_frame {
     /* NULL, or 1 channel: pixels that neither blur nor bleed where it is 1, 0 leaves them alone, between is a mixture of both
      * (an antialiased mask); limited to 0..1, not a number counts as 0. Overlaps no output. Lives as long as the call */
     const ddof_image *holdout;
-    uint64_t reserved[7];
+    /* NULL, or more images of the same depth or CoC, `more_count` of them, up to 255: the layers of a renderer's file. Each becomes
+     * what it would by a call of its own, bit by bit, and its own pixels alone decide where it has holes; what follows from
+     * the CoC is computed once for several of them. An output may be its own color's planes, else it overlaps no color and no
+     * other output; planes count as overlapping when the memory from their first to their last value does. With layers the CoC
+     * alone says what lies where. Each image is one of light by itself: highlights are those of each one. Lives as long
+     * as the call. By ddof_render() only */
+    const ddof_pair *more;
+    int more_count;
+    int reserved_int; /* must be 0 */
+    uint64_t reserved[5];
 } ddof_frame;
 
 /* ------------------------------------------------------------------------- context */
@@ -455,13 +469,14 @@ DDOF_API int ddof_devices(ddof_backend backend, ddof_device *devices, int capaci
 /* ------------------------------------------------------------------------- work */
 
 typedef struct ddof_stats {
-    int64_t nonfinite_pixels; /* pixels whose colour, depth or CoC was not finite (infinite depth is allowed) */
+    int64_t nonfinite_pixels; /* pixels whose colour, depth or CoC was not finite (infinite depth is allowed); with frame.more of the
+                                 image that has most of them */
     double focus_distance;    /* the distance focused on, scene units, may be INFINITY; 0 when a CoC image was given */
     size_t scratch_bytes;     /* memory the context holds for its work, beyond the caller's images */
     int threads;              /* workers used */
     size_t surface_bytes;     /* of the GPU's surfaces it holds, beyond the picture, depth and result; 0: no GPU */
     const char *device;       /* what did the work, e.g. "avx512"; lives until ddof_destroy() */
-    int64_t sprites;          /* drawn; with layers in all of them */
+    int64_t sprites;          /* drawn; with layers in all of them, with frame.more in all images, as the next two */
     int64_t sprites_dropped;  /* highlights that sprites.max_sprites or max_area left to diffusion */
     int64_t sprites_large;    /* highlights whose CoC is beyond sprites.limit: left to diffusion, too */
     uint64_t reserved[4];     /* written as 0 */

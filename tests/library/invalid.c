@@ -176,7 +176,8 @@ static void geometry(void **state) {
     static const wrong list[] = {
         WRONG(ADDRESS, frame.next, 8, "frame.next"),
         WRONG(WORD, frame.reserved[0], 1, "reserved"),
-        WRONG(WORD, frame.reserved[6], 1, "reserved"),
+        WRONG(INT, frame.reserved_int, 1, "reserved"),
+        WRONG(WORD, frame.reserved[4], 1, "reserved"),
         WRONG(INT, frame.picture_width, 0, "picture"),
         WRONG(INT, frame.picture_height, 0, "picture"),
         WRONG(INT, frame.picture_width, -4, "picture"),
