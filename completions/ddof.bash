@@ -10,7 +10,7 @@ _ddof_options() {
     local bokeh="--bokeh --iris --bokeh-threshold --bokeh-limit --max-sprites --max-sprite-area --bokeh-resolution"
     local shot="--frames --resume --keep-going --in-flight" report="--quiet --json --help"
     case $1 in
-        render) echo "--output $shot $blur --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $memory $engine $gpu $report" ;;
+        render) echo "--output $shot $blur --channels --views --method --kernel --quality --conductance --substeps --layers $bokeh --holdout --preview --exposure $memory $engine $gpu $report" ;;
         coc) echo "--output $shot $blur --exposure $memory $engine $report" ;;
         info) echo "--layer --depth --metadata --threads $report" ;;
         compare) echo "--output --layer --mask --coc --ppd --amplify --invert --threads $report" ;;
@@ -65,6 +65,7 @@ _ddof_value() {
         --kernel) choices="heat disc" ;;
         --quality) choices="draft good best" ;;
         --layers) choices="auto off" ;;
+        --views) choices="all left right left,right" ;;
         --conductance) choices="matched classic" ;;
         --backend) choices="auto cpu gl vulkan reference" ;;
         --solver) choices="cr-vanilla cr cr+pack cr4 cr4+pack cr+pcr line pcr pcr3+sweep" ;;

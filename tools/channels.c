@@ -31,7 +31,7 @@ static const struct {
     {"normal[_-]*", "normals", false}, {"p", "positions", false},        {"pref", "positions", false},
     {"pworld", "positions", false},  {"*position*", "positions", false}, {"*motion*", "motion", false},
     {"*velocity*", "motion", false}, {"vector", "motion", false},        {"*motionvector*", "motion", false},
-    {"mv", "motion", false},         {"forward", "motion", false},       {"backward", "motion", false},
+    {"mv", "motion", false},         {"disparity*", "offsets", false},         {"forward", "motion", false},       {"backward", "motion", false},
     {"uv", "coordinates", false},    {"st", "coordinates", false},       {"*[_-]uv", "coordinates", false},
     {"uv[_0-9]*", "coordinates", false}, {"*texcoord*", "coordinates", false}, {"*samplecount*", "counts", false},
     {"*variance*", "variances", false},
@@ -70,17 +70,13 @@ static bool has_sibling(const io_part *part, const char *name, const char *word)
     return false;
 }
 
-/* X Y Z, or u v: parts of one direction or place. */
+/* X Y (Z), or u v: parts of one direction or place. */
 static bool in_vector(const io_part *part, const char *name) {
-    static const char *const sets[][3] = {{"X", "Y", "Z"}, {"U", "V", NULL}};
-    for (int s = 0; s < 2; s++) {
-        bool one = false, all = true;
-        for (int i = 0; i < 3 && sets[s][i]; i++) {
-            one |= strcasecmp(last_word(name), sets[s][i]) == 0;
-            all &= has_sibling(part, name, sets[s][i]);
-        }
-        if (one && all) return true;
-    }
+    static const char *const pairs[][2] = {{"X", "Y"}, {"X", "Z"}, {"Y", "Z"}, {"U", "V"}};
+    const char *last = last_word(name);
+    for (size_t p = 0; p < sizeof pairs / sizeof *pairs; p++)
+        for (int i = 0; i < 2; i++)
+            if (strcasecmp(last, pairs[p][i]) == 0 && has_sibling(part, name, pairs[p][!i])) return true;
     return false;
 }
 
@@ -324,13 +320,14 @@ static void say_sharp(const channel_choice *choice, const io_picture *picture, c
     size_t used = 0;
     list[0] = 0;
     for (int i = 0; i < choice->sharp_count; i++) {
-        const io_part *part = &picture->part[choice->sharp[i].part];
+        char name[NAME];
+        channels_image_name(picture, &choice->sharp[i], name, sizeof name);
         if (used + 80 >= size) {
             snprintf(list + used, size - used, ", ...");
             return;
         }
-        used += (size_t)snprintf(list + used, size - used, "%s%.60s (%s)", used ? ", " : "", part->channel[choice->sharp[i].channel].name,
-                                 channels_data(part, choice->sharp[i].channel));
+        used += (size_t)snprintf(list + used, size - used, "%s%.60s (%s)", used ? ", " : "", name,
+                                 channels_data(&picture->part[choice->sharp[i].part], choice->sharp[i].channel[0]));
     }
 }
 
@@ -340,10 +337,10 @@ static int list_sharp(chooser *c) {
     for (int p = 0; p < c->picture->part_count; p++)
         for (int i = 0; i < c->picture->part[p].channel_count; i++) {
             if (c->mark[p][i] != DATA) continue;
-            channel_place *larger = realloc(choice->sharp, (size_t)(choice->sharp_count + 1) * sizeof *larger);
+            io_selection *larger = realloc(choice->sharp, (size_t)(choice->sharp_count + 1) * sizeof *larger);
             if (!larger) return fail("%s: out of memory for its channels", c->picture->path);
             choice->sharp = larger;
-            larger[choice->sharp_count++] = (channel_place){p, i};
+            larger[choice->sharp_count++] = (io_selection){.part = p, .count = 1, .channel = {i}};
         }
     if (channels_count(choice)) return 0;
     say_sharp(choice, c->picture, list, sizeof list);

@@ -16,15 +16,11 @@ typedef struct channel_group {
     io_selection *color;
 } channel_group;
 
-typedef struct channel_place {
-    int part, channel;
-} channel_place;
-
 typedef struct channel_choice {
     int count; /* of groups, at least 1 */
     channel_group *group;
     int sharp_count; /* channels that hold data and that only a wildcard names: left sharp */
-    channel_place *sharp;
+    io_selection *sharp; /* one channel each */
 } channel_choice;
 
 /* Returns 0 or an exit code. On failure there is nothing to free. */

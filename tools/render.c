@@ -118,7 +118,10 @@ static void add_choice(const job *j, cJSON *object) {
             cJSON_AddItemToArray(layers, json_text_item(name));
         }
     }
-    for (int i = 0; i < j->choice.sharp_count; i++) cJSON_AddItemToArray(sharp, json_text_item(j->input->part[j->choice.sharp[i].part].channel[j->choice.sharp[i].channel].name));
+    for (int i = 0; i < j->choice.sharp_count; i++) {
+        channels_image_name(j->input, &j->choice.sharp[i], name, sizeof name);
+        cJSON_AddItemToArray(sharp, json_text_item(name));
+    }
 }
 
 static cJSON *report_json(const job *j, const options *o, const session *s, const report *r, double total) {

@@ -19,7 +19,10 @@
  *
  * fixture header FILE WIDTH HEIGHT: the header of an EXR file without any pixels
  *
- * fixture attribute FILE NAME float|double|int|rational|string VALUE: into the header of an EXR file with one part; rational: N/D
+ * fixture attribute FILE NAME float|double|int|rational|string|TYPE VALUE: into the header of an EXR file with one part; rational:
+ *     N/D, any other TYPE: hexadecimal bytes
+ * fixture hex FILE NAME: the bytes of an attribute of such a file
+ * fixture deep FILE WIDTH HEIGHT: the header of an EXR file of deep samples, without any
  * fixture rows FILE WIDTH HEIGHT half|float: an EXR of any size, not compressed: R G B noise that repeats, A 1, Z 1 to 20
  *
  * fixture json KEY... < TEXT: values of an object's members ("a.b" goes down), one a line; fails when one is not there
@@ -197,10 +200,25 @@ static void put_attribute(FILE *file, const char *name, const char *type, int si
     put_int(file, size);
 }
 
-static void put_header(FILE *file, const char *names, bool half, const char *width, const char *height) {
+/* Of a file of deep samples: what its header has more. */
+static void put_deep(FILE *file, int height) {
+    put_attribute(file, "type", "string", 12);
+    fwrite("deepscanline", 12, 1, file);
+    put_attribute(file, "name", "string", 4);
+    fwrite("deep", 4, 1, file);
+    put_attribute(file, "version", "int", 4);
+    put_int(file, 1);
+    put_attribute(file, "chunkCount", "int", 4);
+    put_int(file, height);
+    put_attribute(file, "maxSamplesPerPixel", "int", 4);
+    put_int(file, 2);
+}
+
+static void put_header(FILE *file, const char *names, bool half, bool deep, const char *width, const char *height) {
     const int channels = (int)strlen(names);
     put_int(file, 20000630);
-    put_int(file, 2);
+    put_int(file, deep ? 2 | 0x800 : 2);
+    if (deep) put_deep(file, atoi(height));
     put_attribute(file, "channels", "chlist", channels * 18 + 1);
     for (int i = 0; i < channels; i++) {
         fputc(names[i], file);
@@ -238,10 +256,11 @@ static FILE *create_file(const char *path) {
     return file;
 }
 
-static int header(int count, char **word) {
+static int header(int count, char **word, bool deep) {
     if (count < 3) die("header", "too few arguments");
     FILE *file = create_file(word[0]);
-    put_header(file, "BGRZ", true, word[1], word[2]);
+    put_header(file, "BGRZ", true, deep, word[1], word[2]);
+    for (int i = 0; deep && i < 8 * atoi(word[2]); i++) fputc(0, file); /* where the rows begin */
     return fclose(file);
 }
 
@@ -274,6 +293,14 @@ static int encode(const char *type, const char *text, unsigned char *out) {
         memcpy(out, &number, 8);
         return 8;
     }
+    if (strcmp(type, "float") != 0 && strcmp(type, "int") != 0 && strcmp(type, "rational") != 0) {
+        const int length = (int)strlen(text) / 2;
+        for (int i = 0; i < length; i++) {
+            const char digits[3] = {text[2 * i], text[2 * i + 1], 0};
+            out[i] = (unsigned char)strtoul(digits, NULL, 16);
+        }
+        return length;
+    }
     if (strcmp(type, "float") == 0)
         memcpy(out, &single, 4);
     else
@@ -282,24 +309,42 @@ static int encode(const char *type, const char *text, unsigned char *out) {
     return strcmp(type, "rational") == 0 ? 8 : 4;
 }
 
-/* Where the header's last byte, a 0, is. */
-static size_t header_end(const unsigned char *file) {
+/* Where the header's last byte, a 0, is; or, where there is one of this name, the size of an attribute, before its value. */
+static size_t header_end(const unsigned char *file, const char *name) {
     size_t at = 8;
     while (file[at]) {
+        const bool found = name && strcmp((const char *)file + at, name) == 0;
         at += strlen((const char *)file + at) + 1;
         at += strlen((const char *)file + at) + 1;
+        if (found) return at;
         at += 4 + (size_t)get_bytes(file + at, 4);
     }
     return at;
 }
 
+static size_t read_file(const char *path, unsigned char *file) {
+    FILE *in = fopen(path, "rb");
+    if (!in) die("cannot read", path);
+    const size_t size = fread(file, 1, LARGEST_EXR - 4096, in);
+    fclose(in);
+    return size;
+}
+
+static int hex(int count, char **word) {
+    static unsigned char file[LARGEST_EXR];
+    if (count < 2) die("hex", "too few arguments");
+    read_file(word[0], file);
+    const size_t at = header_end(file, word[1]);
+    if (!file[at] && at == header_end(file, NULL)) die("no attribute", word[1]);
+    for (size_t i = 0, size = (size_t)get_bytes(file + at, 4); i < size; i++) printf("%02x", file[at + 4 + i]);
+    printf("\n");
+    return 0;
+}
+
 static int attribute(int count, char **word) {
     static unsigned char file[LARGEST_EXR], made[LARGEST_EXR];
     if (count < 4) die("attribute", "too few arguments");
-    FILE *in = fopen(word[0], "rb");
-    if (!in) die("cannot read", word[0]);
-    const size_t size = fread(file, 1, LARGEST_EXR - 4096, in), end = header_end(file);
-    fclose(in);
+    const size_t size = read_file(word[0], file), end = header_end(file, NULL);
     unsigned char *out = made + end;
     memcpy(made, file, end);
     out += strlen(strcpy((char *)out, word[1])) + 1;
@@ -339,7 +384,7 @@ static int rows(int count, char **word) {
         fill(&made->part[0].channel[c], pattern);
     }
     FILE *file = create_file(word[0]);
-    put_header(file, names, type == IO_HALF, word[1], word[2]);
+    put_header(file, names, type == IO_HALF, false, word[1], word[2]);
     const uint64_t first = (uint64_t)ftell(file) + 8 * (uint64_t)height;
     for (uint64_t y = 0, at = first; y < (uint64_t)height; y++, at += row + 8) {
         put_int(file, (int)(uint32_t)at);
@@ -387,7 +432,9 @@ int main(int count, char **word) {
     if (strcmp(what, "range") == 0) return look(count, word, true, IO_COLOR);
     if (strcmp(what, "same") == 0) return same(count, word);
     if (strcmp(what, "tile") == 0) return tile(count, word);
-    if (strcmp(what, "header") == 0) return header(count, word);
+    if (strcmp(what, "header") == 0) return header(count, word, false);
+    if (strcmp(what, "deep") == 0) return header(count, word, true);
+    if (strcmp(what, "hex") == 0) return hex(count, word);
     if (strcmp(what, "attribute") == 0) return attribute(count, word);
     if (strcmp(what, "rows") == 0) return rows(count, word);
     if (strcmp(what, "json") == 0) return json(count, word);
