@@ -69,7 +69,7 @@ static void lay_out(const ddof_context *ctx, const frame_job *job, sweep *s, are
         if (a->base) s->worker[t] = w;
     }
     if (needs_work_image(job)) {
-        int n = job->frame->output.channels;
+        const int given = job->frame->output.channels, n = given < 3 ? given : 4; /* RGBA is worked on where it lies */
         void *p = arena_take(a, (wide - PAD) * height * (size_t)n * f);
         s->work = ddof_image_interleaved(p, (int)(wide - PAD), (int)height, n, DDOF_FLOAT, 0);
     }
@@ -147,11 +147,16 @@ static void up_direct(const sweep *s, int x0, int x1) {
     }
 }
 
-/* The result is of another type than the work image, or planar: a strip, row by row, through float RGBA. */
+/* The result is of another type than the work image, or planar: a strip, row by row, through float RGBA; where that lies in scratch,
+ * in place there. */
 static void up_converting(const sweep *s, worker *w, int x0, int x1) {
     float *row = w->room.pixels, *below = w->room.pixels + ((ptrdiff_t)s->f.width + PAD) * 4;
+    const bool in_work = s->work_direct && s->work.plane[0].data != s->result.plane[0].data;
     for (int y = s->f.height - 1; y >= 0; y--) {
-        span_load(&s->work, x0, y, x1 - x0, row, false, s->f.k->pixels);
+        if (in_work)
+            row = image_at(&s->work, 0, x0, y);
+        else
+            span_load(&s->work, x0, y, x1 - x0, row, false, s->f.k->pixels);
         if (y < s->f.height - 1) s->f.k->columns->up(row, s->keep + s->keep_stride * y + x0, below, x1 - x0);
         span_store(&s->result, x0, y, x1 - x0, row, s->straight_out, s->f.k->pixels);
         float *swap = row;

@@ -78,10 +78,10 @@ static int make(int count, char **word) {
     if (!io_format_of_name(word[0], &format)) die("unknown ending", word[0]);
     bool has_window = sscanf(word[5], "window=%d,%d,%d,%d", &window.x, &window.y, &window.width, &window.height) == 4;
     first += has_window;
-    const char *names[32];
-    char *patterns[32];
+    const char *names[64];
+    char *patterns[64];
     int channels = 0;
-    for (int i = first; i < count && channels < 32; i++, channels++) {
+    for (int i = first; i < count && channels < 64; i++, channels++) {
         char *equals = strchr(word[i], '=');
         if (!equals) die("no '='", word[i]);
         *equals = 0;
