@@ -172,7 +172,7 @@ static void everything_else(void **state) {
         {.bokeh = DDOF_BOKEH_FULL},
         {.method = DDOF_METHOD_GAUSSIAN},
         {.method = DDOF_METHOD_HEXAGON},
-        {0},
+        {.substeps = 2},
     };
     rng r = {71};
     ddof_context *ctx = context_of(test_parameters(state).isa, 3);
