@@ -45,7 +45,7 @@ static void threads(void **state) {
     const int count = test_parameters(state).value;
     rng r = {30};
     ddof_context *ctx = context_of(test_parameters(state).isa, count);
-    for (int i = 0; i < 36; i++) {
+    for (int i = 0; i < 36; i += TEST_STEP) {
         const ddof_settings settings = settings_of(i);
         scene s = scene_of(i, &r);
         float *want = plain(test_parameters(state).isa, &s, &settings);
@@ -66,7 +66,7 @@ static void parallel_for(void **state) {
                           .parallel_for = loops[test_parameters(state).value]};
     ddof_context *ctx = NULL;
     assert_int_equal(ddof_create(&ctx, &config), DDOF_OK);
-    for (int i = 0; i < 36; i++) {
+    for (int i = 0; i < 36; i += TEST_STEP) {
         const ddof_settings settings = settings_of(i);
         scene s = scene_of(i, &r);
         float *want = plain(test_parameters(state).isa, &s, &settings);
@@ -126,7 +126,7 @@ static void memory(void **state) {
 static void in_place(void **state) {
     rng r = {33};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 96; i++) {
+    for (int i = 0; i < 96; i += TEST_STEP) {
         const int channels = i % 4 + 1, arrangement = rng_range(&r, 0, LAYOUTS - 1);
         const ddof_settings settings = settings_of(i);
         scene s = scene_of(i, &r);
@@ -161,7 +161,7 @@ static void in_place(void **state) {
 static void history(void **state) {
     rng r = {34};
     ddof_context *ctx = context_of(test_parameters(state).isa, 3);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; i += TEST_STEP) {
         const int k = rng_range(&r, 0, 1000);
         const ddof_settings settings = settings_of(k);
         scene s = scene_of(k, &r);
@@ -180,7 +180,7 @@ static void history(void **state) {
 static void fused(void **state) {
     rng r = {35};
     ddof_context *wide = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 200; i += TEST_STEP) {
         const ddof_settings settings = settings_of(i);
         scene s = i < 30 ? scene_of(i, &r)
                          : scene_fill(rng_range(&r, 1, 200), rng_range(&r, 1, 100), (coc_pattern)(i % COC_PATTERNS),

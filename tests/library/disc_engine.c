@@ -66,7 +66,7 @@ static void accuracy(void **state) {
                                    {3, 17}, {16, 16}, {65, 31}, {33, 65}, {64, 64}};
     rng r = {70};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 90; i++) {
+    for (int i = 0; i < 90; i += TEST_STEP) {
         const int *size = sizes[i % COUNT(sizes)], width = i < 30 ? size[0] : rng_range(&r, 1, 67);
         const ddof_settings settings = settings_of(i);
         scene s = scene_fill(width, i < 30 ? size[1] : rng_range(&r, 1, 67), (coc_pattern)(i % COC_PATTERNS),
@@ -90,7 +90,7 @@ static void make_hole(scene *s, size_t p, rng *r) {
 static void holes(void **state) {
     rng r = {71};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 72; i++) {
+    for (int i = 0; i < 72; i += TEST_STEP) {
         const ddof_settings settings = settings_of(i);
         scene s = scene_fill(rng_range(&r, 1, 60), rng_range(&r, 1, 50), (coc_pattern)(i / 3 % COC_PATTERNS),
                              COLOR_SIGNED, &r);
@@ -110,7 +110,7 @@ static void holes(void **state) {
 static void invariants(void **state) {
     rng r = {72};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; i += TEST_STEP) {
         const ddof_settings settings = settings_of(i);
         scene s =
             scene_fill(rng_range(&r, 1, 400), rng_range(&r, 1, 200), (coc_pattern)(i % COC_PATTERNS), COLOR_RANDOM, &r);
@@ -171,7 +171,7 @@ static void same_as_plain(ddof_context *ctx, unsigned isa, int i, rng *r) {
 static void threads(void **state) {
     rng r = {73};
     ddof_context *ctx = context_of(test_parameters(state).isa, test_parameters(state).value);
-    for (int i = 0; i < 54; i++)
+    for (int i = 0; i < 54; i += TEST_STEP)
         same_as_plain(ctx, test_parameters(state).isa, i, &r);
     DESTROY(ctx);
 }
@@ -184,7 +184,7 @@ static void parallel_for(void **state) {
                           .parallel_for = loops[test_parameters(state).value]};
     ddof_context *ctx = NULL;
     assert_int_equal(ddof_create(&ctx, &config), DDOF_OK);
-    for (int i = 0; i < 36; i++)
+    for (int i = 0; i < 36; i += TEST_STEP)
         same_as_plain(ctx, test_parameters(state).isa, i, &r);
     DESTROY(ctx);
 }
@@ -192,7 +192,7 @@ static void parallel_for(void **state) {
 static void fused(void **state) {
     rng r = {75};
     ddof_context *ctx = context_of(test_parameters(state).isa, 3);
-    for (int i = 0; i < 108; i++)
+    for (int i = 0; i < 108; i += TEST_STEP)
         same_as_plain(ctx, DDOF_CPU_AVX2, i, &r);
     DESTROY(ctx);
 }
@@ -234,7 +234,7 @@ static void memory(void **state) {
 static void types(void **state) {
     rng r = {77};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 72; i++) {
+    for (int i = 0; i < 72; i += TEST_STEP) {
         const int channels = i % 4 + 1, arrangement = rng_range(&r, 0, channels == 1 ? LAYOUT_REVERSED : LAYOUTS - 1);
         const bool straight = channels % 2 == 0 && i / 4 % 2;
         const unsigned half = i / 8 % 2 ? 15 : rng_bits(&r) & 15;
@@ -321,7 +321,7 @@ static void scratch(void **state) {
                           .memory_user = &a};
     ddof_context *ctx = NULL;
     assert_int_equal(ddof_create(&ctx, &config), DDOF_OK);
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 40; i += TEST_STEP) {
         const ddof_settings settings = settings_of(i);
         size_t bytes = 0;
         scene s = scene_of(rng_range(&r, 0, 1000), &r);

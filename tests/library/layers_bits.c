@@ -338,7 +338,7 @@ static void last_worker(void **state) {
                           .threads = threads,
                           .parallel_for = by_last_worker,
                           .parallel_user = &threads};
-    for (int i = 0; i < 30; i++) {
+    for (int i = 0; i < 30; i += TEST_STEP) {
         ddof_context *ctx = NULL;
         picture p = picture_of(i, &r);
         ddof_frame frame = frame_of(&p);
@@ -355,7 +355,7 @@ static void last_worker(void **state) {
  * back. A context for each frame: what it holds is what that frame takes. */
 static void scratch(void **state) {
     rng r = {607};
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 40; i += TEST_STEP) {
         allocator a = {0};
         ddof_config config = {.backend = (ddof_backend)test_parameters(state).value,
                               .threads = i % 4 + 1,

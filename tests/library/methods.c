@@ -177,7 +177,7 @@ static void reaches(void **state) {
 static void constants(void **state) {
     rng r = {122};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; i += TEST_STEP) {
         const ddof_settings settings = {.method = methods[i % 2], .layers = (ddof_layers)(i / 2 % 2)};
         scene s = scene_fill(rng_range(&r, 1, 150), rng_range(&r, 1, 60), (coc_pattern)(i / 4 % COC_PATTERNS), COLOR_RANDOM, &r);
         for (size_t v = 4; v < 4 * pixels_of(&s); v++) s.color[v] = s.color[v - 4];
@@ -193,7 +193,7 @@ static void constants(void **state) {
 static void range(void **state) {
     rng r = {123};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 40; i += TEST_STEP) {
         const ddof_settings settings = {.method = methods[i % 2]};
         scene s = scene_fill(rng_range(&r, 1, 150), rng_range(&r, 1, 60), (coc_pattern)(i / 2 % COC_PATTERNS), COLOR_SIGNED, &r);
         float low[4] = {INFINITY, INFINITY, INFINITY, INFINITY}, high[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
@@ -297,7 +297,7 @@ static void sharp(void **state) {
 static void holes(void **state) {
     rng r = {126};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 48; i++) {
+    for (int i = 0; i < 48; i += TEST_STEP) {
         const ddof_settings settings = {.method = methods[i % 2]};
         const double density = (double[]){0.01, 0.3, 0.97, 1}[i / 2 % 4];
         scene s = scene_fill(rng_range(&r, 1, 120), rng_range(&r, 1, 50), (coc_pattern)(i / 8 % COC_PATTERNS), COLOR_RANDOM, &r);
@@ -366,7 +366,7 @@ static void workers(void **state) {
         const ddof_config config = {.threads = k < 2 ? k + 2 : PARALLEL_THREADS, .parallel_for = loops[k], .cpu_mask = test_parameters(state).isa};
         ddof_context *ctx = NULL;
         assert_int_equal(ddof_create(&ctx, &config), DDOF_OK);
-        for (int i = 0; i < 24; i++) {
+        for (int i = 0; i < 24; i += TEST_STEP) {
             const ddof_settings settings = {.method = methods[i % 2], .layers = (ddof_layers)(i / 2 % 2)};
             scene s = scene_of(i, &r);
             float *want = plain(settings.layers ? test_parameters(state).isa : 0, &s, &settings);

@@ -30,7 +30,7 @@ static void round_channels(float *values, size_t pixels, unsigned half) {
 static void halves(void **state) {
     rng r = {40};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 120; i++) {
+    for (int i = 0; i < 120; i += TEST_STEP) {
         const ddof_settings settings = {.conductance = (ddof_conductance)(i % 2), .substeps = i % 3 + 1};
         const unsigned half_in = i % 3 ? 15 : rng_bits(&r) & 15, half_out = i % 5 ? 15 : rng_bits(&r) & 15;
         scene s = scene_of(i, &r);
@@ -61,7 +61,7 @@ static void half_coc(void **state) {
     rng r = {41};
     ddof_context *ctx = context_of(test_parameters(state).isa, 1);
     const ddof_settings settings = {0};
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 40; i += TEST_STEP) {
         scene s = scene_fill(rng_range(&r, 1, 150), rng_range(&r, 1, 70), COC_RANDOM, COLOR_RANDOM, &r);
         stored map = stored_make((layout)(i % LAYOUT_PLANAR), s.width, s.height, 1, 1);
         float *want = fenced(4 * pixels_of(&s) * sizeof *want, true);
@@ -86,7 +86,7 @@ static void channels(void **state) {
     const int count = test_parameters(state).value;
     rng r = {42};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; i += TEST_STEP) {
         const ddof_settings settings = {.conductance = (ddof_conductance)(i % 2), .substeps = i % 3 + 1};
         const int arrangement = rng_range(&r, 0, count == 1 ? LAYOUT_REVERSED : LAYOUTS - 1);
         scene s = scene_of(i, &r);
@@ -140,7 +140,7 @@ static void straight_alpha(void **state) {
     const int count = test_parameters(state).value;
     rng r = {43};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; i += TEST_STEP) {
         const ddof_settings settings = {.conductance = (ddof_conductance)(i % 2), .substeps = i % 3 + 1};
         scene s = scene_of(i, &r), times = scene_make(s.width, s.height, true);
         const size_t n = 4 * pixels_of(&s);
@@ -180,7 +180,7 @@ static void straight_alpha(void **state) {
 static void one_straight_colour(void **state) {
     rng r = {44};
     ddof_context *ctx = context_of(test_parameters(state).isa, 2);
-    for (int i = 0; i < 30; i++) {
+    for (int i = 0; i < 30; i += TEST_STEP) {
         const ddof_settings settings = {.conductance = DDOF_CONDUCTANCE_MATCHED};
         scene s = scene_fill(rng_range(&r, 1, 150), rng_range(&r, 1, 70), COC_SMOOTH, COLOR_RANDOM, &r);
         put_alpha(&s, 4, &r);
