@@ -87,6 +87,7 @@ void progress_show(double done) {
 }
 
 void progress_clear(void) {
+    if (kept) return; /* the line belongs to who tells of all frames */
     if (progress_visible) fprintf(stderr, "\r%*s\r", PROGRESS_WIDTH, "");
     progress_visible = false;
 }
