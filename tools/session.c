@@ -4,6 +4,7 @@
 #include "session.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -13,7 +14,7 @@
 
 #define INTERRUPTED "interrupted; nothing was written"
 
-static volatile sig_atomic_t caught_signal, held;
+static atomic_int caught_signal, held; /* lock-free: a handler may write what threads read */
 
 static void on_signal(int number) {
     static const char line[] = "ddof: " INTERRUPTED "\n";
@@ -35,7 +36,7 @@ void catch_signals(void) {
 }
 
 void signals_hold(void) {
-    if (!held) held = 1; /* by the first of several threads, before there are others */
+    held = 1;
 }
 
 bool interrupted(void) {
