@@ -193,10 +193,6 @@ static int read_dwa(const io_picture *picture, int index, const io_part *part, c
 
 /* ------------------------------------------------------------------------- a part */
 
-static uint64_t channel_bytes(const io_channel *channel) {
-    return (uint64_t)channel->width * (uint64_t)channel->height * io_type_size(channel->type);
-}
-
 int io_exr_read_part(const io_picture *picture, int index, io_part *part, const bool *wanted, io_error *error) {
     const io_exr_part *layout = &io_exr_source_of(picture)->part[index];
     bool dwa = layout->compression == IO_EXR_DWAA || layout->compression == IO_EXR_DWAB;
@@ -205,7 +201,7 @@ int io_exr_read_part(const io_picture *picture, int index, io_part *part, const 
     if (io_exr_locate_chunks(picture, index, true, &chunks, error) != 0) return -1;
     uint64_t bytes = 0;
     for (int i = 0; i < part->channel_count; i++)
-        if (wanted[i]) bytes += channel_bytes(&part->channel[i]);
+        if (wanted[i]) bytes += io_channel_bytes(&part->channel[i]);
     const io_memory *memory = picture->memory;
     int result = memory ? 0 : io_check_memory(picture->path, bytes, error);
     for (int i = 0; result == 0 && i < part->channel_count; i++)

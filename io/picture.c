@@ -63,6 +63,10 @@ size_t io_type_size(io_type type) {
     return type == IO_HALF ? 2 : 4;
 }
 
+uint64_t io_channel_bytes(const io_channel *channel) {
+    return (uint64_t)channel->width * (uint64_t)channel->height * io_type_size(channel->type);
+}
+
 static bool grow(void **array, int count, size_t size) {
     /* Powers of two: room is there unless count is one. */
     if (count & (count - 1)) return true;
@@ -122,7 +126,7 @@ static data_origin origin_of(const io_channel *channel) {
 
 int io_channel_allocate(io_channel *channel, const io_memory *memory, io_error *error, const char *path) {
     enum { ALIGNMENT = 64 };
-    size_t bytes = (size_t)channel->width * (size_t)channel->height * io_type_size(channel->type);
+    size_t bytes = (size_t)io_channel_bytes(channel);
     /* calloc, and not aligned_alloc and memset: large blocks come from the system as zeroes, at no cost until used. */
     unsigned char *block = memory ? memory->allocate(memory->user, bytes + 2 * ALIGNMENT, error)
                                   : calloc(1, bytes + 2 * ALIGNMENT);
@@ -352,7 +356,7 @@ static int check_wanted(const io_picture *picture, const io_part *part, const ch
     for (int i = 0; !picture->memory && i < part->channel_count; i++) {
         const io_channel *channel = &part->channel[i];
         if (!channel->data && io_name_wanted(channel->name, names, name_count))
-            bytes += (uint64_t)channel->width * (uint64_t)channel->height * io_type_size(channel->type);
+            bytes += io_channel_bytes(channel);
     }
     return io_check_memory(picture->path, bytes, error);
 }

@@ -59,6 +59,9 @@ typedef struct io_channel {
     bool modified;              /* io_write encodes it anew; parts without such a channel are copied as they are */
 } io_channel;
 
+/* Of its data, which need not be there. */
+uint64_t io_channel_bytes(const io_channel *channel);
+
 typedef struct io_part {
     char *name, *view;    /* "" when the file gives none; of several views in one part (multiView) the one whose
                              channels have no prefix */

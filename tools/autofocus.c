@@ -7,7 +7,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "job.h"
 #include "message.h"
@@ -168,11 +167,6 @@ static int measure_job(autofocus *a, job *j, const options *o, found *f) {
     return status || !isnan(f->dioptres) ? status : fail("--autofocus: %s: out of memory for a median", j->input->path);
 }
 
-static bool is_there(const char *path) {
-    struct stat info;
-    return stat(path, &info) == 0;
-}
-
 /* `own`: the options of this frame when they are at hand. A frame whose file is not there has nothing to measure. */
 static int measure(autofocus *a, const frame_options *own, found *f) {
     frame_options made = {.count = 0};
@@ -180,7 +174,7 @@ static int measure(autofocus *a, const frame_options *own, found *f) {
     job j;
     if (!own) {
         char *file = sequence_file(a->frames, f->frame);
-        const bool there = file && is_there(file);
+        const bool there = file && file_exists(file);
         free(file);
         if (!there) return 0;
         status = frame_options_make(&made, a->o, a->frames, f->frame);

@@ -43,24 +43,24 @@ const io_part *job_part(const job *j) {
 }
 
 io_channel *job_color(const job *j, int i) {
-    return &job_part(j)->channel[j->color.channel[i]];
+    return job_image_channel(j, &j->color, i);
 }
 
-static io_channel *image_channel(const job *j, const io_selection *color, int i) {
+io_channel *job_image_channel(const job *j, const io_selection *color, int i) {
     return &j->input->part[color->part].channel[color->channel[i]];
 }
 
 void job_modified(const job *j) {
     for (int g = 0; g < j->group_count; g++)
         for (int n = 0; n < j->group[g].count; n++)
-            for (int i = 0; i < j->group[g].color[n].count; i++) io_channel_modified(image_channel(j, &j->group[g].color[n], i));
+            for (int i = 0; i < j->group[g].color[n].count; i++) io_channel_modified(job_image_channel(j, &j->group[g].color[n], i));
 }
 
 static const io_picture *blur_picture(const job *j) {
     return j->second ? j->second : j->input;
 }
 
-static io_channel *blur_channel(const job *j, const job_group *g) {
+io_channel *job_blur_channel(const job *j, const job_group *g) {
     return &blur_picture(j)->part[g->blur.part].channel[g->blur.channel[0]];
 }
 
@@ -73,7 +73,7 @@ static const char *blur_option(const options *o) {
 static int check_color(const job *j, const io_selection *color) {
     const io_part *part = &j->input->part[color->part];
     for (int i = 0; i < color->count; i++) {
-        const io_channel *channel = image_channel(j, color, i);
+        const io_channel *channel = job_image_channel(j, color, i);
         if (channel->x_sampling != 1 || channel->y_sampling != 1)
             return fail("%s: channel %s is subsampled; convert the picture to R G B first", j->input->path,
                         channel->name);
@@ -139,16 +139,16 @@ static int check_view(const job *j, const job_group *g, const options *o) {
     if (strcmp(view, g->view) == 0 || (!several && !view[0])) return 0;
     return fail("%s: the view '%s' has no %s of its own (there is %s%s%s); leave it out with --views NAME, or give it a file with --%s "
                 "FILE",
-                j->input->path, g->view, what, blur_channel(j, g)->name, view[0] ? " of the view " : "", view, blur_option(o));
+                j->input->path, g->view, what, job_blur_channel(j, g)->name, view[0] ? " of the view " : "", view, blur_option(o));
 }
 
 /* A channel that the blur follows must stay as it is. */
 static int check_blur(const job *j, const job_group *g, const options *o) {
-    const io_channel *channel = blur_channel(j, g);
+    const io_channel *channel = job_blur_channel(j, g);
     for (int k = 0; !j->second && k < j->group_count; k++)
         for (int n = 0; n < j->group[k].count; n++)
             for (int i = 0; i < j->group[k].color[n].count; i++) {
-                if (image_channel(j, &j->group[k].color[n], i) != channel) continue;
+                if (job_image_channel(j, &j->group[k].color[n], i) != channel) continue;
                 if (option_given(o, OPT_RENDER_CHANNELS))
                     return fail_usage("--channels: %s is the %s that the blur follows; leave it out", channel->name,
                                       option_given(o, OPT_COC) ? "CoC" : "depth");
@@ -186,7 +186,7 @@ static int open_blur(job *j, const options *o) {
 
 /* An integer file holds 0..1, which is never a distance by itself. */
 static int check_integer_depth(const job *j, const options *o) {
-    const io_channel *channel = blur_channel(j, &j->group[0]);
+    const io_channel *channel = job_blur_channel(j, &j->group[0]);
     if (!channel->integer || channel->depth.kind != IO_DEPTH_UNSAID || option_given(o, OPT_COC) ||
         option_given(o, OPT_DEPTH_KIND))
         return 0;
@@ -197,7 +197,7 @@ static int check_integer_depth(const job *j, const options *o) {
 
 /* What the picture says of its depth, where the camera file says nothing. */
 static void take_depth_meaning(job *j) {
-    const io_depth *said = &blur_channel(j, &j->group[0])->depth;
+    const io_depth *said = &job_blur_channel(j, &j->group[0])->depth;
     if (said->kind == IO_DEPTH_UNSAID || j->file.has_depth_kind) return;
     j->file.has_depth_kind = true;
     j->file.depth_kind = said->kind == IO_DEPTH_LINEAR ? DDOF_DEPTH_NORMALIZED : DDOF_DEPTH_DEVICE;
@@ -225,9 +225,9 @@ static io_box box_in_picture(const io_part *part) {
  * size, or when the colour is a window into a picture of which the depth covers more. */
 static int align_blur(const job *j, const job_group *g, const options *o, ptrdiff_t *first) {
     const io_part *color = &j->input->part[g->color[0].part], *blur = &blur_picture(j)->part[g->blur.part];
-    const io_channel *channel = blur_channel(j, g);
+    const io_channel *channel = job_blur_channel(j, g);
     const io_box c = box_in_picture(color), b = box_in_picture(blur);
-    const io_channel *picture = image_channel(j, &g->color[0], 0);
+    const io_channel *picture = job_image_channel(j, &g->color[0], 0);
     *first = 0;
     bool one_display = color->display.width == blur->display.width && color->display.height == blur->display.height;
     bool one_size = channel->width == picture->width && channel->height == picture->height;
@@ -270,8 +270,8 @@ static int read_part(job *j, int part, bool rewrite) {
         const job_group *group = &j->group[g];
         for (int n = 0; n < group->count; n++)
             for (int i = 0; i < group->color[n].count && group->color[n].part == part && count < most; i++)
-                names[count++] = image_channel(j, &group->color[n], i)->name;
-        if (!j->second && group->blur.part == part && count < most) names[count++] = blur_channel(j, group)->name;
+                names[count++] = job_image_channel(j, &group->color[n], i)->name;
+        if (!j->second && group->blur.part == part && count < most) names[count++] = job_blur_channel(j, group)->name;
     }
     if (count && io_read_channels(j->input, part, names, count, &error)) status = fail("%s", error.text);
     free(names);
@@ -283,7 +283,7 @@ static int read_pixels(job *j, bool rewrite) {
     int status = 0;
     for (int p = 0; p < j->input->part_count && status == 0; p++) status = read_part(j, p, rewrite);
     for (int g = 0; g < j->group_count && status == 0 && j->second; g++) {
-        const char *name = blur_channel(j, &j->group[g])->name;
+        const char *name = job_blur_channel(j, &j->group[g])->name;
         if (io_read_channels(j->second, j->group[g].blur.part, &name, 1, &error)) status = fail("%s", error.text);
     }
     return status;
@@ -298,9 +298,9 @@ ddof_plane plane_of_channel(const io_channel *channel) {
 }
 
 static ddof_image image_of(const job *j, const io_selection *color) {
-    const io_channel *first = image_channel(j, color, 0);
+    const io_channel *first = job_image_channel(j, color, 0);
     ddof_image image = {.width = first->width, .height = first->height, .channels = color->count};
-    for (int i = 0; i < color->count; i++) image.plane[i] = plane_of_channel(image_channel(j, color, i));
+    for (int i = 0; i < color->count; i++) image.plane[i] = plane_of_channel(job_image_channel(j, color, i));
     return image;
 }
 
@@ -322,7 +322,7 @@ static int describe_color(job *j, job_group *g) {
 }
 
 static int describe_blur(job *j, job_group *g, const options *o, ptrdiff_t first) {
-    const io_channel *channel = blur_channel(j, g);
+    const io_channel *channel = job_blur_channel(j, g);
     const size_t count = (size_t)channel->width * (size_t)channel->height;
     const float scale = (float)option_number(o, OPT_COC_SCALE, 1);
     ddof_image image = {.width = g->frame.color.width, .height = g->frame.color.height, .channels = 1};
@@ -459,7 +459,7 @@ int job_read_depth(job *j, const options *o, int row, int rows) {
     ptrdiff_t first = 0;
     job_group *g = &j->group[0];
     int status = align_blur(j, g, o, &first);
-    const io_channel *channel = blur_channel(j, g);
+    const io_channel *channel = job_blur_channel(j, g);
     const int from = row + (int)(first / channel->width);
     const char *name = channel->name;
     io_picture *picture = j->second ? j->second : j->input;

@@ -54,6 +54,9 @@ void job_close(job *j);
 
 const io_part *job_part(const job *j); /* IN's part with the colour that is shown */
 io_channel *job_color(const job *j, int i);
+/* The i-th channel of one of its images; and the depth or CoC of a group. */
+io_channel *job_image_channel(const job *j, const io_selection *color, int i);
+io_channel *job_blur_channel(const job *j, const job_group *g);
 
 /* Whether some channel of this part of IN is blurred. */
 bool job_part_is_blurred(const job *j, int part);

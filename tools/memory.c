@@ -14,24 +14,15 @@ enum {
     CHUNKS_AT_ONCE = 5     /* per thread: packed, unpacked, filtered, waiting to be written */
 };
 
-static uint64_t channel_bytes(const io_channel *c) {
-    return (uint64_t)c->width * (uint64_t)c->height * io_type_size(c->type);
-}
-
 static uint64_t pixels_of(const io_channel *c) {
     return (uint64_t)c->width * (uint64_t)c->height;
-}
-
-static const io_channel *blur_channel(const job *j, const job_group *g) {
-    const io_picture *other = j->second ? j->second : j->input;
-    return &other->part[g->blur.part].channel[g->blur.channel[0]];
 }
 
 static uint64_t colour_bytes(const job *j, const job_group *g) {
     uint64_t bytes = 0;
     for (int n = 0; n < g->count; n++)
         for (int i = 0; i < g->color[n].count; i++)
-            bytes += channel_bytes(&j->input->part[g->color[n].part].channel[g->color[n].channel[i]]);
+            bytes += io_channel_bytes(job_image_channel(j, &g->color[n], i));
     return bytes;
 }
 
@@ -40,12 +31,12 @@ static uint64_t input_bytes(const job *j, const options *o, bool whole_parts) {
     uint64_t bytes = 0;
     for (int p = 0; p < j->input->part_count && whole_parts; p++)
         for (int i = 0; i < j->input->part[p].channel_count && job_part_is_blurred(j, p); i++)
-            bytes += channel_bytes(&j->input->part[p].channel[i]);
+            bytes += io_channel_bytes(&j->input->part[p].channel[i]);
     for (int g = 0; g < j->group_count; g++) {
-        const io_channel *blur = blur_channel(j, &j->group[g]);
+        const io_channel *blur = job_blur_channel(j, &j->group[g]);
         const bool read = whole_parts && !j->second && job_part_is_blurred(j, j->group[g].blur.part);
         if (!whole_parts) bytes += colour_bytes(j, &j->group[g]);
-        if (!read) bytes += channel_bytes(blur);
+        if (!read) bytes += io_channel_bytes(blur);
         if (blur->type == IO_UINT || option_number(o, OPT_COC_SCALE, 1) != 1) bytes += pixels_of(blur) * sizeof(float);
     }
     if (option_given(o, OPT_HOLDOUT)) bytes += pixels_of(job_color(j, 0)) * sizeof(float);
@@ -76,7 +67,7 @@ static uint64_t larger(uint64_t a, uint64_t b) {
 }
 
 static int image_bytes(const job *j, const io_selection *color, const options *o, const session *s, uint64_t *bytes) {
-    const io_channel *first = &j->input->part[color->part].channel[color->channel[0]];
+    const io_channel *first = job_image_channel(j, color, 0);
     const ddof_type type = first->type == IO_HALF ? DDOF_HALF : DDOF_FLOAT;
     ddof_frame frame = {0};
     ddof_settings settings = j->settings;

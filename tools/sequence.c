@@ -72,17 +72,17 @@ char *pattern_fill(const char *pattern, int frame) {
     return filled;
 }
 
-static bool exists(const char *path) {
+bool file_exists(const char *path) {
     struct stat info;
     return stat(path, &info) == 0;
 }
 
 static bool is_pattern(const char *text) {
-    return pattern_has_number(text) && !exists(text);
+    return pattern_has_number(text) && !file_exists(text);
 }
 
 static bool is_glob(const char *text) {
-    return strpbrk(text, "*?[") && !pattern_has_number(text) && !exists(text);
+    return strpbrk(text, "*?[") && !pattern_has_number(text) && !file_exists(text);
 }
 
 bool sequence_wanted(const options *o) {

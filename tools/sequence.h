@@ -44,6 +44,7 @@ void frame_options_free(frame_options *f);
 
 /* The last number of a file's name before its ending, "pinhole.0007.exr" -> 7; -1: none. */
 long frame_of_name(const char *path);
+bool file_exists(const char *path);
 /* The part of a path after the last slash. */
 const char *base_name(const char *path);
 

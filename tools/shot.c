@@ -5,13 +5,12 @@
 
 #include <pthread.h>
 #include <signal.h>
-#include <stdio.h>
 #include <picture.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 
-#include "lens.h"
 #include "message.h"
 #include "pull.h"
 #include "resume.h"
@@ -202,6 +201,11 @@ static double cpu_seconds(void) {
            1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
+/* Not begun, or dropped. */
+static int untouched_count(const shot *s) {
+    return s->frames.count - s->count[FRAME_RENDERED] - s->count[FRAME_SKIPPED] - s->count[FRAME_FAILED];
+}
+
 static int summary_json(const shot *s, double seconds) {
     cJSON *object = cJSON_CreateObject();
     json_integer(object, "frames", s->frames.count);
@@ -210,8 +214,7 @@ static int summary_json(const shot *s, double seconds) {
     cJSON *failed = cJSON_AddArrayToObject(object, "failed");
     for (int i = 0; i < s->count[FRAME_FAILED]; i++)
         cJSON_AddItemToArray(failed, cJSON_CreateNumber(s->failed[i]));
-    json_integer(object, "untouched",
-                 s->frames.count - s->count[FRAME_RENDERED] - s->count[FRAME_SKIPPED] - s->count[FRAME_FAILED]);
+    json_integer(object, "untouched", untouched_count(s));
     json_integer(object, "in_flight", s->workers);
     json_number(object, "total_ms", seconds * 1e3);
     json_number(object, "cores_busy", cpu_seconds() / seconds);
@@ -222,7 +225,7 @@ static int summary_json(const shot *s, double seconds) {
 static int summarise(const shot *s) {
     const double seconds = (now_ms() - s->start) / 1e3;
     const int made = s->count[FRAME_RENDERED], skipped = s->count[FRAME_SKIPPED], failed = s->count[FRAME_FAILED];
-    const int untouched = s->frames.count - made - skipped - failed;
+    const int untouched = untouched_count(s);
     progress_clear();
     if (s->usage && made + skipped == 0) return s->status;
     if (option_given(s->o, OPT_JSON)) {
