@@ -4,6 +4,7 @@
 
 # test.sh VARIANT...: builds and runs every test in each variant; the last line counts all of them.
 #   release  as it is shipped
+#   long     of that what takes many minutes: Vulkan's large pictures and many sizes, whose shaders drivers compile anew
 #   asan     AddressSanitizer and UndefinedBehaviorSanitizer
 #   tsan     ThreadSanitizer, without GL and Vulkan, whose drivers bring threads that it cannot see into
 #   fuzz     every target of tests/fuzz with libFuzzer for two seconds; skipped where there is no clang that has it
@@ -15,13 +16,13 @@ passed=0 failed=0 skipped=0
 
 options() {
     case $1 in
-    release) ;;
+    release | long) ;;
     asan) echo --buildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
     tsan) echo --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=thread -Db_lundef=false -Ddefault_library=static ;;
     farm) ;;
     fuzz) echo -Dfuzz=true --buildtype=debugoptimized -Dgl=disabled -Dvulkan=disabled -Db_sanitize=address,undefined -Db_lundef=false -Ddefault_library=static ;;
     arm64) echo --cross-file build-test/arm64.ini --buildtype=debugoptimized -Dtools=false -Dvulkan=disabled -Ddefault_library=static ;;
-    *) echo "test.sh: no such variant: $1 (release, asan, tsan, fuzz, farm, arm64)" >&2; exit 2 ;;
+    *) echo "test.sh: no such variant: $1 (release, long, asan, tsan, fuzz, farm, arm64)" >&2; exit 2 ;;
     esac
 }
 
@@ -52,7 +53,10 @@ run() {
         return
     fi
     rm -f "$dir/meson-logs/testlog.junit.xml"
-    meson test -C "$dir" --no-rebuild --print-errorlogs -t 4 >"build-test/$variant.tests" 2>&1
+    suites="--no-suite long"
+    [ "$1" = long ] && suites="--suite long"
+    # shellcheck disable=SC2086
+    meson test -C "$dir" --no-rebuild --print-errorlogs -t 4 $suites >"build-test/$variant.tests" 2>&1
     status=$?
     sed -n '/^ *[0-9]*\/[0-9]* /p' "build-test/$variant.tests"
     if [ $status -ne 0 ]; then sed -n '/^―/,$p' "build-test/$variant.tests" | tail -n 150; fi
